@@ -1,0 +1,121 @@
+#pragma once
+
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// The maps of a cell object as they stand in memory. Their bytes are described in spec/mesocell-0.9.md.
+namespace mesocell {
+
+using Index3 = std::array<std::uint32_t, 3>;
+
+/// The grid of tiles in object space. Voxels are cubes; a tile is `tile resolution` voxels. [spec 4.1]
+struct GridLayout {
+  std::array<double, 3> box_min{};  ///< minimum corner of tile (0,0,0), metres
+  double voxel_edge = 0;            ///< metres
+  Index3 tiles{};                   ///< tiles along x, y, z
+
+  [[nodiscard]] std::uint64_t tile_count() const { return std::uint64_t{tiles[0]} * tiles[1] * tiles[2]; }
+  /// Index of a tile, x fastest.
+  [[nodiscard]] std::uint64_t tile_index(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+    return x + std::uint64_t{tiles[0]} * (y + std::uint64_t{tiles[1]} * z);
+  }
+  bool operator==(const GridLayout&) const = default;
+};
+
+/// The part of a cell instance that lies in one tile: which cell, and where the instance's home tile is. The
+/// home tile holds the first voxel of the instance in storage order. [spec 4.2]
+struct Piece {
+  std::uint16_t cell = 0;             ///< 1…cell_count
+  std::array<std::int8_t, 3> home{};  ///< home tile minus the tile that holds the piece, in tiles
+  bool operator==(const Piece&) const = default;
+};
+
+/// A tile: for every voxel the id of its piece, 0 where the tile is empty. [spec 4.2]
+struct TileMap {
+  Index3 resolution{};  ///< voxels along x, y, z; 4…1024 each
+  std::uint32_t cell_count = 0;
+  std::vector<Piece> pieces;            ///< piece id k is pieces[k - 1]; ascending by (cell, home z, y, x)
+  std::uint32_t id_bytes = 1;           ///< 1, 2 or 4: the least that holds pieces.size()
+  std::vector<std::uint8_t> voxel_ids;  ///< voxel_count() ids of id_bytes each, little-endian, x fastest
+
+  [[nodiscard]] std::uint64_t voxel_count() const {
+    return std::uint64_t{resolution[0]} * resolution[1] * resolution[2];
+  }
+  [[nodiscard]] std::uint64_t voxel_index(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+    return x + std::uint64_t{resolution[0]} * (y + std::uint64_t{resolution[1]} * z);
+  }
+  /// Piece id of voxel `i`, 0 where empty.
+  [[nodiscard]] std::uint32_t id(std::uint64_t i) const {
+    const std::uint8_t* p = voxel_ids.data() + i * id_bytes;
+    std::uint32_t v = p[0];
+    if (id_bytes >= 2) v |= std::uint32_t{p[1]} << 8;
+    if (id_bytes == 4) v |= std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
+    return v;
+  }
+  [[nodiscard]] static std::uint32_t id_bytes_for(std::size_t piece_count) {
+    return piece_count <= 0xff ? 1 : piece_count <= 0xffff ? 2 : 4;
+  }
+  bool operator==(const TileMap&) const = default;
+};
+
+/// Membership of a cell instance in the basic mesh. [spec 4.3]
+enum class Tag : std::uint8_t { kOutside = 0, kInside = 1, kIntersected = 2 };
+
+/// The rule by which tags were found. [spec 4.3]
+enum class MembershipRule : std::uint8_t { kCentre = 0, kConservative = 1 };
+
+/// One tag for every cell instance whose home tile is in the grid. [spec 4.3]
+struct MembershipMap {
+  static constexpr std::uint32_t kFirstBlock = 3;
+
+  MembershipRule rule = MembershipRule::kCentre;
+  Index3 tiles{};
+  std::uint32_t cell_count = 0;
+  /// One entry a tile, x fastest: 0, 1, 2 where all its instances carry that tag, else kFirstBlock + block.
+  std::vector<std::uint32_t> entries;
+  /// Tags of the mixed tiles, block_bytes() each: cell c is at bits 2·((c-1) mod 4) of byte (c-1) / 4.
+  std::vector<std::uint8_t> blocks;
+
+  [[nodiscard]] std::size_t block_bytes() const { return (std::size_t{cell_count} + 3) / 4; }
+  /// Tag of cell `cell` (1…cell_count) whose home is tile `tile`.
+  [[nodiscard]] Tag tag(std::uint64_t tile, std::uint32_t cell) const {
+    assert(cell >= 1 && cell <= cell_count);
+    const std::uint32_t entry = entries[tile];
+    if (entry < kFirstBlock) return static_cast<Tag>(entry);
+    const std::size_t at = std::size_t{entry - kFirstBlock} * block_bytes() + (cell - 1) / 4;
+    return static_cast<Tag>(blocks[at] >> (2 * ((cell - 1) % 4)) & 3);
+  }
+  bool operator==(const MembershipMap&) const = default;
+};
+
+/// How many cell instances carry each tag; they sum to cells × tiles.
+struct InstanceCounts {
+  std::uint64_t inside = 0, outside = 0, intersected = 0;
+  bool operator==(const InstanceCounts&) const = default;
+};
+[[nodiscard]] InstanceCounts count_instances(const MembershipMap& membership);
+
+/// A cell object: the union of its INSIDE cell instances.
+struct CellObject {
+  GridLayout grid;
+  TileMap tile;
+  MembershipMap membership;
+  /// Free text, UTF-8, ascending by key, keys unique.
+  std::vector<std::pair<std::string, std::string>> metadata;
+  bool operator==(const CellObject&) const = default;
+
+  /// Maximum corner of what the tiles cover, metres.
+  [[nodiscard]] std::array<double, 3> box_max() const {
+    std::array<double, 3> m{};
+    for (std::size_t a = 0; a < 3; ++a)
+      m[a] = grid.box_min[a] + double(grid.tiles[a]) * double(tile.resolution[a]) * grid.voxel_edge;
+    return m;
+  }
+};
+
+}  // namespace mesocell

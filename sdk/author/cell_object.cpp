@@ -1,0 +1,158 @@
+#include "sdk/author/cell_object.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "sdk/membership/diagnose.h"
+#include "sdk/membership/membership.h"
+
+namespace mesocell {
+namespace {
+
+/// Beyond this the error bounds of voxelization would reach a voxel.
+constexpr double kMaxVoxelCoordinate = 0x1p40;
+/// Voxels along an axis; keeps every index in 32 bits.
+constexpr double kMaxVoxels = 0x1p30;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", x);
+  return text;
+}
+
+/// Voxels of INSIDE instances, in the whole object.
+double inside_voxels(const CellObject& object) {
+  std::vector<double> voxels(object.tile.cell_count + 1, 0);
+  for (std::uint64_t i = 0; i < object.tile.voxel_count(); ++i)
+    if (const std::uint32_t id = object.tile.id(i)) voxels[object.tile.pieces[id - 1].cell] += 1;
+  double sum = 0;
+  for (std::uint64_t t = 0; t < object.grid.tile_count(); ++t) {
+    const std::uint32_t entry = object.membership.entries[t];
+    if (entry == std::uint32_t(Tag::kOutside) || entry == std::uint32_t(Tag::kIntersected)) continue;
+    for (std::uint32_t c = 1; c <= object.tile.cell_count; ++c)
+      if (object.membership.tag(t, c) == Tag::kInside) sum += voxels[c];
+  }
+  return sum;
+}
+
+}  // namespace
+
+Result<GridLayout> lay_grid(const Box3& mesh_box, const Index3& resolution, const GridOptions& options) {
+  const auto usage = [](std::string text) { return Error{ErrorCode::kUsage, std::move(text)}; };
+  const auto invalid = [](std::string text) { return Error{ErrorCode::kInvalidInput, std::move(text)}; };
+  const Box3& box = options.box ? *options.box : mesh_box;
+  if (options.box && (box.empty() || !is_finite(box.min) || !is_finite(box.max)))
+    return usage("the box has no size; give its minimum corner, then its maximum corner");
+  if (box.empty()) return invalid("the mesh has no triangles");
+  const Vec3 extent = box.extent();
+  std::size_t longest = 0;
+  for (std::size_t a = 1; a < 3; ++a)
+    if (extent[a] > extent[longest]) longest = a;
+  const double side = extent[longest];
+  if (!(side > 0)) return invalid("all vertices lie at one point, so there is no size to divide into tiles");
+  if (!std::isfinite(side) || !is_finite(box.min) || !is_finite(box.max))
+    return invalid("its coordinates are too large for double precision; scale it down");
+
+  GridLayout grid;
+  if (options.tile_size) {
+    if (!(*options.tile_size > 0) || !std::isfinite(*options.tile_size))
+      return usage("the tile size is not a positive number of metres");
+    grid.voxel_edge = *options.tile_size / resolution[longest];
+  } else {
+    if (options.tiles < 1) return usage("the number of tiles along the longest side is below 1");
+    // A box that was given is covered exactly; a mesh gets a voxel of room on each side.
+    const double voxels = double(options.tiles) * resolution[longest];
+    grid.voxel_edge = side / (options.box ? voxels : voxels - 2);
+  }
+  double total = 1;
+  std::array<double, 3> tiles{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double edge = grid.voxel_edge * resolution[a];
+    // The longest axis has the number that was asked for, whatever rounding makes of the quotient.
+    tiles[a] = !options.tile_size && a == longest ? double(options.tiles)
+                                                  : std::max(1.0, std::ceil(extent[a] / edge * (1 - 1e-12)));
+    total *= tiles[a];
+    if (tiles[a] * resolution[a] > kMaxVoxels || total > double(options.max_tiles))
+      return Error{ErrorCode::kLimit, "the grid would have more than " + std::to_string(options.max_tiles) +
+                                          " tiles or 2^30 voxels along an axis; use fewer or larger tiles"};
+  }
+  Vec3 corner;
+  for (std::size_t a = 0; a < 3; ++a) {
+    grid.tiles[a] = std::uint32_t(tiles[a]);
+    const double centre = box.min[a] + extent[a] / 2;
+    grid.box_min[a] = centre - tiles[a] * resolution[a] * grid.voxel_edge / 2;
+    corner[a] = grid.box_min[a] + tiles[a] * resolution[a] * grid.voxel_edge;
+    const double largest = std::max(std::abs(grid.box_min[a]), std::abs(corner[a]));
+    if (!(grid.voxel_edge > 4 * std::numeric_limits<double>::epsilon() * largest) ||
+        grid.voxel_edge < std::numeric_limits<double>::min())
+      return invalid("its voxels of " + number(grid.voxel_edge) + " m at coordinates of " + number(largest) +
+                     " m are too small for double precision; move it to the origin or use fewer tiles");
+  }
+  if (!is_finite(corner)) return invalid("its coordinates are too large for double precision; scale it down");
+  return grid;
+}
+
+Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile, const AuthorOptions& options,
+                                      AuthorReport* report, const Progress* progress) {
+  AuthorReport unused;
+  AuthorReport& out = report ? *report : unused;
+  out = {};
+  const Clock::time_point start = Clock::now();
+  const MeshDiagnosis diagnosis = diagnose(mesh);
+  if (!diagnosis.closed())
+    return Error{ErrorCode::kInvalidInput,
+                 describe(diagnosis) + "; close it in a mesh editor, this version does not repair",
+                 "mesh-not-closed"};
+  if (diagnosis.degenerate_triangles > 0)
+    out.warnings.push_back({"degenerate-triangles", std::to_string(diagnosis.degenerate_triangles) +
+                                                        " triangles with a repeated vertex were left out"});
+
+  const Box3 box = bounding_box(mesh);
+  Result<GridLayout> grid = lay_grid(box, tile.resolution, options.grid);
+  if (!grid) return grid.error();
+  const Vec3 extent = box.extent();
+  if (!(extent.x > 0 && extent.y > 0 && extent.z > 0))
+    return Error{ErrorCode::kInvalidInput, "the mesh is flat and encloses no volume", "mesh-flat"};
+
+  TriangleMesh voxel_mesh;
+  voxel_mesh.triangles = mesh.triangles;
+  voxel_mesh.vertices.reserve(mesh.vertices.size());
+  for (const Vec3& v : mesh.vertices)
+    voxel_mesh.vertices.push_back((v - to_vec3(grid->box_min)) / grid->voxel_edge);
+  const Box3 voxel_box = bounding_box(voxel_mesh);
+  for (std::size_t a = 0; a < 3; ++a)
+    if (!(voxel_box.min[a] > -kMaxVoxelCoordinate && voxel_box.max[a] < kMaxVoxelCoordinate))
+      return Error{
+          ErrorCode::kInvalidInput,
+          "the mesh reaches more than 2^40 voxels beyond the grid; use a larger box or larger tiles"};
+
+  MembershipReport membership_report;
+  Result<MembershipMap> membership = compute_membership(
+      voxel_mesh, grid->tiles, tile, {.threads = options.threads}, &membership_report, progress);
+  if (!membership) return membership.error();
+  out.voxelize_seconds = seconds_since(start);
+
+  CellObject object{*grid, std::move(tile), std::move(*membership), {}};
+  const double voxel = grid->voxel_edge * grid->voxel_edge * grid->voxel_edge;
+  const double volume = signed_volume(mesh);
+  out.mesh_volume = std::abs(volume);
+  out.inside_volume = inside_voxels(object) * voxel;
+  if (volume < 0)
+    out.warnings.push_back({"mesh-inside-out", "the mesh is oriented inward; it was taken as a solid"});
+  if (out.inside_volume == 0)
+    out.warnings.push_back({"no-inside-cells",
+                            "no cell fits inside the mesh, so there is nothing to see; use "
+                            "more tiles, or a tile of more cells"});
+  return object;
+}
+
+}  // namespace mesocell

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "format/cell_object.h"
+#include "format/result.h"
+#include "sdk/core/progress.h"
+#include "sdk/core/triangle_mesh.h"
+
+namespace mesocell {
+
+/// How the grid is laid over the mesh. [spec 4.1]
+struct GridOptions {
+  std::uint32_t tiles = 16;  ///< tiles along the longest side; used if tile_size is not set
+  std::optional<double> tile_size = std::nullopt;  ///< edge of a tile along its longest axis, metres
+  std::optional<Box3> box = std::nullopt;          ///< covered instead of the mesh's bounding box
+  std::uint64_t max_tiles = 1u << 26;              ///< more tiles than this are refused (kLimit)
+};
+
+/// Lays the grid. Errors: kUsage, kInvalidInput (box of no size or of one too small for its coordinates),
+/// kLimit.
+[[nodiscard]] Result<GridLayout> lay_grid(const Box3& mesh_box, const Index3& tile_resolution,
+                                          const GridOptions& options);
+
+struct AuthorOptions {
+  GridOptions grid = {};
+  unsigned threads = 0;  ///< 0: the machine's; the result does not depend on it
+};
+
+/// A remark that is no failure.
+struct Warning {
+  std::string id;
+  std::string text;
+};
+
+/// What authoring did and what it cost.
+struct AuthorReport {
+  double voxelize_seconds = 0;  ///< diagnosis, inside/outside and tags
+  double surface_seconds = 0;   ///< normals and colors
+  double mesh_volume = 0;       ///< metres³, of the basic mesh, absolute
+  double inside_volume = 0;     ///< metres³, of the voxels of INSIDE instances
+  std::vector<Warning> warnings;
+};
+
+/// Makes a cell object from a closed mesh and a tile, by rule `centre`.
+/// Errors: kInvalidInput with the diagnosis if the mesh is not closed or has no extent; kLimit; kCancelled.
+[[nodiscard]] Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile,
+                                                    const AuthorOptions& options,
+                                                    AuthorReport* report = nullptr,
+                                                    const Progress* progress = nullptr);
+
+}  // namespace mesocell

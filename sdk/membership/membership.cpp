@@ -1,0 +1,301 @@
+#include "sdk/membership/membership.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "sdk/core/parallel.h"
+#include "sdk/membership/scanline.h"
+
+namespace mesocell {
+namespace {
+
+/// What is known of a set of voxels, as bits: some are inside, some are not.
+using Seen = std::uint8_t;
+constexpr Seen kNone = 0, kIn = 1, kOut = 2, kBoth = 3;
+
+/// A run of one piece in a row of the tile, up to voxel `end`.
+struct Run {
+  std::uint32_t end, piece;
+};
+
+/// The tile's rows as runs; row r has runs[first[r]] … runs[first[r + 1]].
+struct TileRows {
+  std::vector<std::uint32_t> first;
+  std::vector<Run> runs;
+};
+
+TileRows rows_of(const TileMap& tile) {
+  TileRows rows;
+  const std::uint32_t width = tile.resolution[0];
+  const std::uint64_t count = tile.voxel_count() / width;
+  for (std::uint64_t r = 0; r < count; ++r) {
+    rows.first.push_back(std::uint32_t(rows.runs.size()));
+    std::uint32_t piece = tile.id(r * width);
+    for (std::uint32_t x = 1; x < width; ++x) {
+      const std::uint32_t next = tile.id(r * width + x);
+      if (next == piece) continue;
+      rows.runs.push_back({x, piece});
+      piece = next;
+    }
+    rows.runs.push_back({width, piece});
+  }
+  rows.first.push_back(std::uint32_t(rows.runs.size()));
+  return rows;
+}
+
+/// What the surface does to one tile: the same for all its voxels, or what was seen of each piece.
+struct TileState {
+  Seen uniform = kNone;      ///< kIn, kOut, or kBoth if `pieces` tells
+  std::vector<Seen> pieces;  ///< by piece id; entry 0, the empty space, is not used
+};
+
+/// Voxelizes the tiles (·, ty, tz) and notes what is seen of every piece.
+class Bundle {
+ public:
+  Bundle(const TileMap& tile, const TileRows& rows, std::uint32_t tiles) : tile_(tile), rows_(rows) {
+    states_.resize(tiles);
+    inside_.resize(tiles);
+  }
+
+  std::span<TileState> run(const RowIntervals& intervals) {
+    count(intervals);
+    const std::uint64_t all = tile_.voxel_count();
+    mixed_.clear();
+    for (std::uint32_t t = 0; t < states_.size(); ++t) {
+      states_[t].uniform = inside_[t] == 0 ? kOut : inside_[t] == all ? kIn : kBoth;
+      states_[t].pieces.clear();
+      if (states_[t].uniform != kBoth) continue;
+      states_[t].pieces.assign(tile_.pieces.size() + 1, kNone);
+      mixed_.push_back(t);
+    }
+    if (!mixed_.empty())
+      for (std::size_t r = 0; r + 1 < rows_.first.size(); ++r) mark_row(r, intervals.row(r));
+    return states_;
+  }
+
+  [[nodiscard]] std::uint64_t inside_voxels() const {
+    std::uint64_t sum = 0;
+    for (const std::uint64_t n : inside_) sum += n;
+    return sum;
+  }
+
+ private:
+  /// Counts the inside voxels of every tile.
+  void count(const RowIntervals& intervals) {
+    const std::uint32_t width = tile_.resolution[0];
+    std::fill(inside_.begin(), inside_.end(), 0);
+    // Tiles wholly covered by an interval are counted by where such stretches begin and end.
+    std::vector<std::int64_t> covered(states_.size() + 1, 0);
+    for (const Interval& i : intervals.intervals) {
+      const std::uint32_t a = i.begin / width, b = (i.end - 1) / width;
+      if (a == b) {
+        inside_[a] += i.end - i.begin;
+        continue;
+      }
+      inside_[a] += (a + 1) * width - i.begin;
+      inside_[b] += i.end - b * width;
+      ++covered[a + 1];
+      --covered[b];
+    }
+    std::int64_t rows = 0;
+    for (std::size_t t = 0; t < states_.size(); ++t) {
+      rows += covered[t];
+      inside_[t] += std::uint64_t(rows) * width;
+    }
+  }
+
+  void mark_row(std::size_t r, std::span<const Interval> intervals) {
+    const std::uint32_t width = tile_.resolution[0];
+    const std::span<const Run> runs{rows_.runs.data() + rows_.first[r],
+                                    rows_.runs.data() + rows_.first[r + 1]};
+    std::size_t k = 0;
+    for (const std::uint32_t t : mixed_) {
+      const std::uint32_t begin = t * width, end = begin + width;
+      Seen* const seen = states_[t].pieces.data();
+      while (k < intervals.size() && intervals[k].end <= begin) ++k;
+      // Walk the tile's stretches, alternately outside and inside, along the runs of the row.
+      std::size_t run = 0;
+      std::uint32_t at = 0;
+      const auto mark = [&](std::uint32_t to, Seen what) {
+        while (at < to) {
+          seen[runs[run].piece] |= what;
+          at = std::min(runs[run].end, to);
+          if (at == runs[run].end) ++run;
+        }
+      };
+      for (std::size_t i = k; i < intervals.size() && intervals[i].begin < end; ++i) {
+        mark(std::max(intervals[i].begin, begin) - begin, kOut);
+        mark(std::min(intervals[i].end, end) - begin, kIn);
+      }
+      mark(width, kOut);
+    }
+  }
+
+  const TileMap& tile_;
+  const TileRows& rows_;
+  std::vector<TileState> states_;
+  std::vector<std::uint64_t> inside_;
+  std::vector<std::uint32_t> mixed_;
+};
+
+Tag tag_of(Seen seen) {
+  return seen == kIn ? Tag::kInside : seen == kOut ? Tag::kOutside : Tag::kIntersected;
+}
+
+/// Joins what was seen of the pieces to what is seen of whole instances.
+class Merger {
+ public:
+  Merger(const TileMap& tile, const Index3& tiles, const std::vector<TileState>& states)
+      : tile_(tile), tiles_(tiles), states_(states) {
+    for (const Piece& p : tile.pieces)
+      for (std::size_t a = 0; a < 3; ++a) {
+        low_[a] = std::min<std::int64_t>(low_[a], -p.home[a]);
+        high_[a] = std::max<std::int64_t>(high_[a], -p.home[a]);
+      }
+  }
+
+  /// Tags of the instances at home in tile (x, y, z), one a cell. Returns true if all are alike; then only
+  /// tags[0] is set.
+  bool tags(std::int64_t x, std::int64_t y, std::int64_t z, std::vector<Tag>& tags) const {
+    const Seen around = neighbourhood(x, y, z);
+    if (around == kIn || around == kOut) {
+      tags[0] = tag_of(around);
+      return true;
+    }
+    std::size_t k = 0;
+    bool alike = true;
+    for (std::uint32_t cell = 1; cell <= tile_.cell_count; ++cell) {
+      Seen seen = kNone;
+      for (; k < tile_.pieces.size() && tile_.pieces[k].cell == cell; ++k) {
+        const auto& h = tile_.pieces[k].home;
+        const TileState* s = state(x - h[0], y - h[1], z - h[2]);
+        seen |= !s ? kOut : s->uniform != kBoth ? s->uniform : s->pieces[k + 1];
+      }
+      tags[cell - 1] = tag_of(seen);
+      alike = alike && tags[cell - 1] == tags[0];
+    }
+    return alike;
+  }
+
+ private:
+  [[nodiscard]] const TileState* state(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    if (x < 0 || y < 0 || z < 0 || x >= tiles_[0] || y >= tiles_[1] || z >= tiles_[2]) return nullptr;
+    return &states_[std::size_t(x + tiles_[0] * (y + std::int64_t{tiles_[1]} * z))];
+  }
+
+  /// What is seen of all tiles that instances at home here can reach.
+  [[nodiscard]] Seen neighbourhood(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    Seen seen = kNone;
+    for (std::int64_t dz = low_[2]; dz <= high_[2]; ++dz)
+      for (std::int64_t dy = low_[1]; dy <= high_[1]; ++dy)
+        for (std::int64_t dx = low_[0]; dx <= high_[0]; ++dx) {
+          const TileState* s = state(x + dx, y + dy, z + dz);
+          seen |= s ? s->uniform : kOut;
+          if (seen == kBoth) return seen;
+        }
+    return seen;
+  }
+
+  const TileMap& tile_;
+  const Index3& tiles_;
+  const std::vector<TileState>& states_;
+  std::array<std::int64_t, 3> low_{}, high_{};
+};
+
+/// One layer of tiles of a membership map; block numbers count from the layer's first.
+struct Layer {
+  std::vector<std::uint32_t> entries;
+  std::vector<std::uint8_t> blocks;
+};
+
+Layer merge_layer(const Merger& merger, const MembershipMap& map, std::uint32_t z) {
+  Layer layer;
+  std::vector<Tag> tags(map.cell_count);
+  std::uint32_t count = 0;
+  for (std::uint32_t y = 0; y < map.tiles[1]; ++y)
+    for (std::uint32_t x = 0; x < map.tiles[0]; ++x) {
+      if (merger.tags(x, y, z, tags)) {
+        layer.entries.push_back(std::uint32_t(tags[0]));
+        continue;
+      }
+      layer.entries.push_back(MembershipMap::kFirstBlock + count++);
+      const std::size_t at = layer.blocks.size();
+      layer.blocks.resize(at + map.block_bytes());
+      for (std::uint32_t c = 0; c < map.cell_count; ++c)
+        layer.blocks[at + c / 4] |= std::uint8_t(std::uint32_t(tags[c]) << (2 * (c % 4)));
+    }
+  return layer;
+}
+
+}  // namespace
+
+Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3& tiles, const TileMap& tile,
+                                         const MembershipOptions& options, MembershipReport* report,
+                                         const Progress* progress) {
+  const Error cancelled{ErrorCode::kCancelled, "cancelled"};
+  const Scanline scanline(mesh, tile.resolution, tiles);
+  const TileRows rows = rows_of(tile);
+  std::vector<TileState> states(std::size_t{tiles[0]} * tiles[1] * tiles[2]);
+  const std::size_t bundles = std::size_t{tiles[1]} * tiles[2];
+
+  struct Worker {
+    Scanline::Scratch scratch;
+    RowIntervals intervals;
+    Bundle bundle;
+  };
+  const unsigned threads = unsigned(std::min<std::size_t>(resolve_threads(options.threads), bundles));
+  std::vector<Worker> workers(threads, {{}, {}, Bundle(tile, rows, tiles[0])});
+  std::atomic<std::uint64_t> inside{0}, mixed{0};
+  std::atomic<bool> over{false};
+  const std::uint64_t max_mixed = options.max_bytes / (tile.pieces.size() + 1);
+  const bool done = parallel_for(
+      bundles, threads,
+      [&](std::size_t b, unsigned w) {
+        if (over) return;
+        Worker& worker = workers[w];
+        scanline.bundle(std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]), worker.scratch,
+                        worker.intervals);
+        const std::span<TileState> found = worker.bundle.run(worker.intervals);
+        inside += worker.bundle.inside_voxels();
+        for (std::size_t t = 0; t < found.size(); ++t) {
+          if (found[t].uniform == kBoth && ++mixed > max_mixed) over = true;
+          states[b * tiles[0] + t] = std::move(found[t]);
+        }
+      },
+      progress, "voxelize");
+  if (over)
+    return Error{
+        ErrorCode::kLimit,
+        "the surface meets more than " + std::to_string(max_mixed) +
+            " tiles, which would take more memory than allowed; use fewer tiles, or a tile of fewer cells"};
+  if (!done) return cancelled;
+
+  MembershipMap map;
+  map.tiles = tiles;
+  map.cell_count = tile.cell_count;
+  const Merger merger(tile, tiles, states);
+  std::vector<Layer> layers(tiles[2]);
+  if (!parallel_for(
+          tiles[2], threads,
+          [&](std::size_t z, unsigned) { layers[z] = merge_layer(merger, map, std::uint32_t(z)); }, progress,
+          "merge"))
+    return cancelled;
+  map.entries.reserve(states.size());
+  std::uint32_t first_block = 0;
+  for (const Layer& layer : layers) {
+    std::uint32_t next = first_block;
+    for (const std::uint32_t e : layer.entries) {
+      map.entries.push_back(e < MembershipMap::kFirstBlock ? e : e + first_block);
+      next += e >= MembershipMap::kFirstBlock;
+    }
+    map.blocks.insert(map.blocks.end(), layer.blocks.begin(), layer.blocks.end());
+    first_block = next;
+  }
+  if (report) *report = {inside, mixed};
+  return map;
+}
+
+}  // namespace mesocell

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+
+#include "format/cell_object.h"
+#include "format/result.h"
+#include "sdk/core/progress.h"
+#include "sdk/core/triangle_mesh.h"
+
+namespace mesocell {
+
+struct MembershipOptions {
+  unsigned threads = 0;                              ///< 0: the machine's; the result does not depend on it
+  std::uint64_t max_bytes = std::uint64_t{4} << 30;  ///< of working memory for tiles that the surface meets
+};
+
+/// What the voxelization saw.
+struct MembershipReport {
+  std::uint64_t inside_voxels = 0;  ///< of the grid, whatever the tile has there
+  std::uint64_t mixed_tiles = 0;    ///< tiles with voxels inside and voxels outside
+};
+
+/// Tags every cell instance by rule `centre`. [spec 4.3; Nürnberg 2011, 3.1.5]
+/// - `mesh`: closed (see diagnose()), in voxel units of the grid, coordinates below 2^40 in magnitude
+/// - `tiles`: of the grid; voxels beyond it count as not inside, so an instance that leaves it is never
+/// INSIDE Errors: kLimit, kCancelled. The winding number decides, whatever its sign: a mesh turned inside out
+/// is solid, overlapping parts are united, a cavity is a shell of the other orientation.
+[[nodiscard]] Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3& tiles,
+                                                       const TileMap& tile,
+                                                       const MembershipOptions& options = {},
+                                                       MembershipReport* report = nullptr,
+                                                       const Progress* progress = nullptr);
+
+}  // namespace mesocell

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "format/cell_object.h"
+#include "sdk/core/triangle_mesh.h"
+
+namespace mesocell {
+
+/// Voxels [begin, end) of one row along x that are inside the mesh.
+struct Interval {
+  std::uint32_t begin, end;
+};
+
+/// The inside intervals of a bundle of rows; row r has intervals[first[r]] … intervals[first[r + 1]].
+struct RowIntervals {
+  std::vector<std::uint32_t> first;
+  std::vector<Interval> intervals;
+
+  [[nodiscard]] std::span<const Interval> row(std::size_t r) const {
+    return {intervals.data() + first[r], intervals.data() + first[r + 1]};
+  }
+};
+
+/// Inside and outside of a closed mesh at voxel centres, row by row, exactly.
+///
+/// A voxel is inside if the winding number of the mesh about its centre p is not zero, where p stands for
+/// p + (ε, ε², ε³) with ε → 0+, so that no centre lies on the surface. [spec 4.3] Rows run along x; every
+/// decision that rounding could turn is left to exact predicates.
+class Scanline {
+ public:
+  /// `mesh` is in voxel units, closed, its coordinates below 2^40; it is kept by reference. `resolution`:
+  /// voxels of a tile, whose rows make a bundle; `tiles`: of the grid.
+  Scanline(const TriangleMesh& mesh, const Index3& resolution, const Index3& tiles);
+
+  /// The rows of the tiles (·, ty, tz): row y + resolution_y · z, with y, z counted from the bundle's first.
+  /// Thread safety: const; `out` and `scratch` belong to the caller and are reused between calls.
+  struct Event {
+    std::uint32_t row, x;
+    std::int32_t delta;
+  };
+  struct Scratch {
+    std::vector<Event> events, sorted;
+  };
+  void bundle(std::uint32_t ty, std::uint32_t tz, Scratch& scratch, RowIntervals& out) const;
+
+ private:
+  struct Rows {
+    std::uint32_t y0, z0;
+  };
+  void add_triangle(const Triangle& triangle, const Rows& rows, std::vector<Event>& events) const;
+
+  const TriangleMesh& mesh_;
+  Index3 resolution_, tiles_;
+  // Triangles by bundle: bundle b has triangles_[first_[b]] … triangles_[first_[b + 1]].
+  std::vector<std::uint64_t> first_;
+  std::vector<std::uint32_t> triangles_;
+};
+
+}  // namespace mesocell

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "format/cell_object.h"
+#include "sdk/tiles/tile_spec.h"
+
+namespace mesocell {
+
+/// Turns "voxel v belongs to image s of cell c" into a TileMap: finds each instance's home tile, the pieces,
+/// and the narrowest ids. Image s of a cell is its seed moved by s tiles, so v - s·resolution is the voxel's
+/// place in the instance whose seed lies in this tile.
+class TileBuilder {
+ public:
+  /// Images are numbered by (s_z, s_y, s_x) ascending, each component in {-1, 0, 1}.
+  static constexpr std::uint32_t kImages = 27;
+  static constexpr std::uint32_t image_index(std::int32_t sx, std::int32_t sy, std::int32_t sz) {
+    return std::uint32_t((sx + 1) + 3 * (sy + 1) + 9 * (sz + 1));
+  }
+  static constexpr std::array<std::int32_t, 3> image_shift(std::uint32_t index) {
+    return {std::int32_t(index % 3) - 1, std::int32_t(index / 3 % 3) - 1, std::int32_t(index / 9) - 1};
+  }
+  /// One number for a cell (1…) and an image; orders by cell, then by image.
+  static constexpr std::uint32_t code(std::uint32_t cell, std::uint32_t image) {
+    return (cell - 1) * kImages + image + 1;
+  }
+
+  /// All voxels are empty at first. `cells` in 1…65535.
+  TileBuilder(Index3 resolution, std::uint32_t cells);
+
+  /// Gives voxel `i` (x fastest) to a code. Different voxels may be set from different threads.
+  void set(std::uint64_t i, std::uint32_t code) {
+    for (std::uint32_t b = 0; b < code_bytes_; ++b)
+      codes_[i * code_bytes_ + b] = std::uint8_t(code >> (8 * b));
+  }
+
+  /// The finished tile. Cells that got no voxel are left out and the rest renumbered in order; the report
+  /// says how many. At least one voxel must have been set (assert). The builder is spent.
+  [[nodiscard]] TileMap finish(unsigned threads, TileReport* report);
+
+ private:
+  [[nodiscard]] std::uint32_t get(std::uint64_t i) const;
+
+  Index3 resolution_;
+  std::uint32_t cells_;
+  std::uint32_t code_bytes_;
+  std::vector<std::uint8_t> codes_;
+};
+
+}  // namespace mesocell

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sdk/core/ray.h"
+#include "sdk/core/vec.h"
+
+namespace mesocell {
+
+/// Where a ray meets an object.
+struct Hit {
+  double t = 0;               ///< ray parameter; metres if the ray's direction has length 1
+  std::uint32_t label = 0;    ///< what was hit: of a cell object the cell, from 1
+  std::int64_t instance = 0;  ///< which copy of it: of a cell object the index of the home tile
+  std::array<std::int64_t, 3>
+      element{};     ///< the smallest part that was hit: of a cell object the grid's voxel
+  Vec3 face_normal;  ///< unit normal of the face entered; zero if the ray began inside
+};
+
+/// One representation, prepared for one method of tracing. Thread safety: all calls are const and reentrant.
+class Caster {
+ public:
+  virtual ~Caster() = default;
+
+  /// The nearest hit. False for a miss, and for a ray that is not finite or has no direction. No allocation.
+  [[nodiscard]] virtual bool first_hit(const Ray& ray, Hit& hit) const = 0;
+
+  /// Unit normal to shade a hit of first_hit() with, outward.
+  [[nodiscard]] virtual Vec3 shading_normal(const Hit& hit) const = 0;
+
+  /// What the object's tiles cover, metres.
+  [[nodiscard]] virtual Box3 object_box() const = 0;
+};
+
+}  // namespace mesocell

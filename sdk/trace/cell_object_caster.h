@@ -1,0 +1,18 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "format/cell_object.h"
+#include "format/result.h"
+#include "sdk/trace/caster.h"
+
+namespace mesocell {
+
+/// Prepares a cell object for a method: "exact", or "linear:S" with the step S in tile edges, written as a
+/// fraction ("linear:1/512") or a decimal. Errors: kUsage (unknown method, step not in (0, 1]).
+/// `object` is copied where it is needed; it may be destroyed afterwards.
+[[nodiscard]] Result<std::unique_ptr<Caster>> make_cell_object_caster(const CellObject& object,
+                                                                      std::string_view method);
+
+}  // namespace mesocell

@@ -1,0 +1,112 @@
+#include "tests/support/membership_oracle.h"
+
+#include <algorithm>
+
+#include "sdk/membership/predicates.h"
+
+namespace mesocell::test {
+namespace {
+
+/// Side of (px + ε, py + ε²) of the line from a to b in the x-y plane; never 0 unless a and b project alike.
+int side_2d(const Vec3& a, const Vec3& b, double px, double py) {
+  if (const int s = orientation_2d(a.x, a.y, b.x, b.y, px, py)) return s;
+  if (a.y != b.y) return a.y > b.y ? 1 : -1;  // the ε in x: -(b.y - a.y)
+  return b.x > a.x ? 1 : b.x < a.x ? -1 : 0;  // the ε² in y
+}
+
+/// Side of p + (ε, ε², ε³) of the plane through a, b, c, which is not vertical.
+int side_3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+  if (const int s = orientation_3d(a, b, c, p)) return s;
+  // The components of the normal, in the order of the powers of ε.
+  if (const int s = orientation_2d(a.y, a.z, b.y, b.z, c.y, c.z)) return s;
+  if (const int s = orientation_2d(a.z, a.x, b.z, b.x, c.z, c.x)) return s;
+  return orientation_2d(a.x, a.y, b.x, b.y, c.x, c.y);
+}
+
+}  // namespace
+
+std::vector<bool> inside_by_definition(const TriangleMesh& mesh, const Index3& voxels) {
+  std::vector<bool> inside(std::size_t{voxels[0]} * voxels[1] * voxels[2]);
+  // Only which triangles to look at is narrowed, by their boxes; what they do is computed for every voxel.
+  std::vector<std::vector<std::uint32_t>> of_column(std::size_t{voxels[0]} * voxels[1]);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    Box3 box;
+    for (const std::uint32_t v : mesh.triangles[t]) box.add(mesh.vertices[v]);
+    const auto clamp = [](double x, std::uint32_t n) { return std::uint32_t(std::clamp(x, 0.0, double(n))); };
+    const std::uint32_t x1 = clamp(box.max.x + 1, voxels[0]), y1 = clamp(box.max.y + 1, voxels[1]);
+    for (std::uint32_t y = clamp(box.min.y - 1, voxels[1]); y < y1; ++y)
+      for (std::uint32_t x = clamp(box.min.x - 1, voxels[0]); x < x1; ++x)
+        of_column[x + std::size_t{voxels[0]} * y].push_back(t);
+  }
+  for (std::uint32_t y = 0; y < voxels[1]; ++y)
+    for (std::uint32_t x = 0; x < voxels[0]; ++x) {
+      std::vector<std::pair<std::uint32_t, int>>
+          pierced;  // triangles on the column's line, with their orientation
+      const double px = x + 0.5, py = y + 0.5;
+      for (const std::uint32_t t : of_column[x + std::size_t{voxels[0]} * y]) {
+        const Triangle& v = mesh.triangles[t];
+        const Vec3 &a = mesh.vertices[v[0]], &b = mesh.vertices[v[1]], &c = mesh.vertices[v[2]];
+        const int s = orientation_2d(a.x, a.y, b.x, b.y, c.x, c.y);
+        if (s != 0 && side_2d(a, b, px, py) == s && side_2d(b, c, px, py) == s && side_2d(c, a, px, py) == s)
+          pierced.emplace_back(t, s);
+      }
+      for (std::uint32_t z = 0; z < voxels[2]; ++z) {
+        int winding = 0;
+        for (const auto& [t, s] : pierced) {
+          const Triangle& v = mesh.triangles[t];
+          const int side =
+              side_3d(mesh.vertices[v[0]], mesh.vertices[v[1]], mesh.vertices[v[2]], {px, py, z + 0.5});
+          if (side * s < 0) winding += s;  // the triangle is above; a ray upward leaves where it faces up
+        }
+        inside[x + std::size_t{voxels[0]} * (y + std::size_t{voxels[1]} * z)] = winding != 0;
+      }
+    }
+  return inside;
+}
+
+std::vector<Tag> tags_by_definition(const std::vector<bool>& inside, const Index3& tiles,
+                                    const TileMap& tile) {
+  const std::int64_t n[3] = {tiles[0], tiles[1], tiles[2]};
+  const std::int64_t r[3] = {tile.resolution[0], tile.resolution[1], tile.resolution[2]};
+  std::vector<bool> any_inside(std::size_t(n[0] * n[1] * n[2]) * tile.cell_count),
+      any_outside(any_inside.size());
+  constexpr std::int64_t kReach =
+      2;  // tiles beyond the grid in which instances at home in it may have voxels
+  std::int64_t t[3], v[3];
+  for (t[2] = -kReach; t[2] < n[2] + kReach; ++t[2])
+    for (t[1] = -kReach; t[1] < n[1] + kReach; ++t[1])
+      for (t[0] = -kReach; t[0] < n[0] + kReach; ++t[0]) {
+        bool in_grid = true;
+        for (int a = 0; a < 3; ++a) in_grid = in_grid && t[a] >= 0 && t[a] < n[a];
+        for (v[2] = 0; v[2] < r[2]; ++v[2])
+          for (v[1] = 0; v[1] < r[1]; ++v[1])
+            for (v[0] = 0; v[0] < r[0]; ++v[0]) {
+              const std::uint32_t id = tile.id(std::uint64_t(v[0] + r[0] * (v[1] + r[1] * v[2])));
+              if (id == 0) continue;
+              const Piece& p = tile.pieces[id - 1];
+              std::int64_t h[3];
+              bool home_in_grid = true;
+              for (int a = 0; a < 3; ++a) {
+                h[a] = t[a] + p.home[std::size_t(a)];
+                home_in_grid = home_in_grid && h[a] >= 0 && h[a] < n[a];
+              }
+              if (!home_in_grid) continue;
+              const std::size_t instance =
+                  std::size_t(h[0] + n[0] * (h[1] + n[1] * h[2])) * tile.cell_count + p.cell - 1;
+              const bool in =
+                  in_grid && inside[std::size_t(
+                                 t[0] * r[0] + v[0] +
+                                 n[0] * r[0] * (t[1] * r[1] + v[1] + n[1] * r[1] * (t[2] * r[2] + v[2])))];
+              if (in)
+                any_inside[instance] = true;
+              else
+                any_outside[instance] = true;
+            }
+      }
+  std::vector<Tag> tags(any_inside.size());
+  for (std::size_t k = 0; k < tags.size(); ++k)
+    tags[k] = !any_outside[k] ? Tag::kInside : !any_inside[k] ? Tag::kOutside : Tag::kIntersected;
+  return tags;
+}
+
+}  // namespace mesocell::test

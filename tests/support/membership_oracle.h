@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "format/cell_object.h"
+#include "sdk/core/triangle_mesh.h"
+
+/// The definitions of membership, evaluated voxel by voxel. Slow and obvious.
+namespace mesocell::test {
+
+/// Whether each voxel of a grid is inside: the winding number of the mesh (voxel units) about its centre,
+/// moved by (ε, ε², ε³), is not zero. Rays go up along z, one a voxel; x fastest.
+[[nodiscard]] std::vector<bool> inside_by_definition(const TriangleMesh& mesh, const Index3& voxels);
+
+/// The tag of every instance, home tile x fastest, then cell: every voxel of every instance is looked at.
+[[nodiscard]] std::vector<Tag> tags_by_definition(const std::vector<bool>& inside, const Index3& tiles,
+                                                  const TileMap& tile);
+
+}  // namespace mesocell::test
