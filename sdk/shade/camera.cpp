@@ -10,7 +10,7 @@ namespace {
 /// above.
 constexpr Vec3 kDefaultView{0.42, 0.32, 1.0};
 /// Room around the object, as a factor of its size in the picture.
-constexpr double kMargin = 1.04;
+constexpr double kMargin = 1.02;
 
 /// The least distance from the box's centre, against `forward`, at which all its corners are in the picture.
 double framing_distance(const Box3& box, Vec3 forward, Vec3 right, Vec3 up, double tan_x, double tan_y) {

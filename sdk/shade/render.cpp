@@ -24,7 +24,7 @@ constexpr Mode kModes[] = {
 
 using Color = std::array<float, 3>;
 constexpr Color kBackground{0.80f, 0.83f, 0.87f};
-constexpr Color kMaterial{0.62f, 0.60f, 0.56f};
+constexpr Color kMaterial{0.66f, 0.62f, 0.55f};
 
 Color scaled(const Color& c, double s) { return {float(c[0] * s), float(c[1] * s), float(c[2] * s)}; }
 
@@ -36,7 +36,7 @@ Color shade(Vec3 normal, const Camera& camera) {
       normalize(normalize(cross(camera.forward(), Vec3{0, 1, 0})) * -0.6 + Vec3{0, 0.9, 0} + toward * 0.7);
   const double light = 0.72 * std::max(0.0, dot(normal, key)) + 0.18 * std::max(0.0, dot(normal, toward)) +
                        0.10 + 0.08 * (0.5 + 0.5 * normal.y);
-  return scaled(kMaterial, light * 1.25);
+  return scaled(kMaterial, light);
 }
 
 /// A color of its own for every label, the same in all instances: hues by the golden angle, three

@@ -19,9 +19,13 @@ struct CodedPiece {
 
 }  // namespace
 
-TileBuilder::TileBuilder(Index3 resolution, std::uint32_t cells) : resolution_(resolution), cells_(cells) {
+TileBuilder::TileBuilder(Index3 resolution, std::uint32_t cells, std::int32_t reach)
+    : resolution_(resolution),
+      cells_(cells),
+      reach_(reach),
+      images_(std::uint32_t((2 * reach + 1) * (2 * reach + 1) * (2 * reach + 1))) {
   assert(cells >= 1 && cells <= 0xffff);
-  const std::uint64_t codes = std::uint64_t{cells} * kImages;
+  const std::uint64_t codes = std::uint64_t{cells} * images_;
   code_bytes_ = TileMap::id_bytes_for(codes);
   codes_.resize(std::uint64_t{resolution[0]} * resolution[1] * resolution[2] * code_bytes_);
 }
@@ -34,7 +38,7 @@ std::uint32_t TileBuilder::get(std::uint64_t i) const {
 
 TileMap TileBuilder::finish(unsigned threads, TileReport* report) {
   const std::uint64_t slice = std::uint64_t{resolution_[0]} * resolution_[1];
-  const std::size_t codes = std::size_t{cells_} * kImages + 1;
+  const std::size_t codes = std::size_t{cells_} * images_ + 1;
 
   // The first voxel of each code, in storage order. Within a code all voxels are shifted alike, so its first
   // voxel is also its first in the instance's own coordinates.
@@ -60,7 +64,7 @@ TileMap TileBuilder::finish(unsigned threads, TileReport* report) {
     Place home_place;
     std::array<std::int32_t, 3> home_shift{};
     bool any = false;
-    for (std::uint32_t image = 0; image < kImages; ++image) {
+    for (std::uint32_t image = 0; image < images_; ++image) {
       const std::uint64_t f = first[code(cell, image)];
       if (f == kNever) continue;
       const auto s = image_shift(image);
@@ -75,7 +79,7 @@ TileMap TileBuilder::finish(unsigned threads, TileReport* report) {
     }
     if (!any) continue;
     ++tile.cell_count;
-    for (std::uint32_t image = 0; image < kImages; ++image) {
+    for (std::uint32_t image = 0; image < images_; ++image) {
       if (first[code(cell, image)] == kNever) continue;
       const auto s = image_shift(image);
       CodedPiece p{code(cell, image), {std::uint16_t(tile.cell_count), {}}};

@@ -14,21 +14,26 @@ namespace mesocell {
 /// place in the instance whose seed lies in this tile.
 class TileBuilder {
  public:
-  /// Images are numbered by (s_z, s_y, s_x) ascending, each component in {-1, 0, 1}.
-  static constexpr std::uint32_t kImages = 27;
-  static constexpr std::uint32_t image_index(std::int32_t sx, std::int32_t sy, std::int32_t sz) {
-    return std::uint32_t((sx + 1) + 3 * (sy + 1) + 9 * (sz + 1));
+  /// All voxels are empty at first. `cells` in 1…65535. Images up to `reach` tiles away on each axis can be
+  /// given.
+  TileBuilder(Index3 resolution, std::uint32_t cells, std::int32_t reach = 1);
+
+  /// Images a cell has.
+  [[nodiscard]] std::uint32_t images() const { return images_; }
+  /// Images are numbered by (s_z, s_y, s_x) ascending, each component in [-reach, reach].
+  [[nodiscard]] std::uint32_t image_index(std::int32_t sx, std::int32_t sy, std::int32_t sz) const {
+    const std::int32_t n = 2 * reach_ + 1;
+    return std::uint32_t(sx + reach_ + n * (sy + reach_ + n * (sz + reach_)));
   }
-  static constexpr std::array<std::int32_t, 3> image_shift(std::uint32_t index) {
-    return {std::int32_t(index % 3) - 1, std::int32_t(index / 3 % 3) - 1, std::int32_t(index / 9) - 1};
+  [[nodiscard]] std::array<std::int32_t, 3> image_shift(std::uint32_t index) const {
+    const std::uint32_t n = std::uint32_t(2 * reach_ + 1);
+    return {std::int32_t(index % n) - reach_, std::int32_t(index / n % n) - reach_,
+            std::int32_t(index / (n * n)) - reach_};
   }
   /// One number for a cell (1…) and an image; orders by cell, then by image.
-  static constexpr std::uint32_t code(std::uint32_t cell, std::uint32_t image) {
-    return (cell - 1) * kImages + image + 1;
+  [[nodiscard]] std::uint32_t code(std::uint32_t cell, std::uint32_t image) const {
+    return (cell - 1) * images_ + image + 1;
   }
-
-  /// All voxels are empty at first. `cells` in 1…65535.
-  TileBuilder(Index3 resolution, std::uint32_t cells);
 
   /// Gives voxel `i` (x fastest) to a code. Different voxels may be set from different threads.
   void set(std::uint64_t i, std::uint32_t code) {
@@ -45,6 +50,8 @@ class TileBuilder {
 
   Index3 resolution_;
   std::uint32_t cells_;
+  std::int32_t reach_;
+  std::uint32_t images_;
   std::uint32_t code_bytes_;
   std::vector<std::uint8_t> codes_;
 };

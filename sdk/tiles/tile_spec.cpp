@@ -1,6 +1,9 @@
 #include "sdk/tiles/tile_spec.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cstdio>
 #include <optional>
 #include <span>
 
@@ -12,12 +15,33 @@ namespace {
 struct Generator {
   std::string_view name;
   std::string_view help;
+  std::array<std::string_view, 3> own;  ///< its own options, the rest empty
+  std::string_view own_help;
   Result<TileMap> (*make)(const GeneratorOptions&, TileReport*);
 };
 
 constexpr Generator kGenerators[] = {
-    {"voronoi", "cells nearest to random seeds; no empty space", make_voronoi_tile},
-    {"spheres", "packed spheres in empty space", make_spheres_tile},
+    {"voronoi",
+     "cells nearest to random seeds; no empty space",
+     {"metric"},
+     "metric=euclidean|anisotropic|additive|multiplicative",
+     make_voronoi_tile},
+    {"spheres", "packed spheres in empty space", {}, "", make_spheres_tile},
+    {"ellipsoids",
+     "packed ellipsoids in empty space",
+     {"flatness"},
+     "flatness=0…0.95 (0.6)",
+     make_ellipsoids_tile},
+    {"worley",
+     "cells cut from distances F1…F4 to the nearest seeds",
+     {"combine", "threshold", "keep"},
+     "combine=f2-f1, threshold=0.1, keep=above|below",
+     make_worley_tile},
+    {"bricks",
+     "running bond with mortar as empty space",
+     {"mortar", "courses"},
+     "mortar=0…0.9 (0.1), courses=an even number",
+     make_bricks_tile},
 };
 
 Error usage(std::string text) { return {ErrorCode::kUsage, std::move(text)}; }
@@ -46,6 +70,19 @@ std::optional<Index3> to_resolution(std::string_view text) {
 }
 
 }  // namespace
+
+Result<double> own_number(const GeneratorOptions& options, const std::string& name, double fallback,
+                          double low, double high) {
+  const auto given = options.own.find(name);
+  if (given == options.own.end()) return fallback;
+  const auto number = to_number<double>(given->second);
+  if (!number || !(*number >= low && *number <= high)) {
+    char range[64];
+    std::snprintf(range, sizeof range, "%g to %g", low, high);
+    return usage(name + "=" + given->second + " is not a number from " + range);
+  }
+  return *number;
+}
 
 Result<TileSpec> parse_tile_spec(std::string_view text) {
   TileSpec spec;
@@ -96,9 +133,12 @@ Result<TileMap> make_tile(const TileSpec& spec, unsigned threads, TileReport* re
       const auto n = to_number<std::uint64_t>(value);
       if (!n) return usage("seed=" + value + " is not a whole number from 0 to 2^64-1");
       options.seed = *n;
+    } else if (std::find(generator->own.begin(), generator->own.end(), name) == generator->own.end()) {
+      std::string names = "cells, resolution, seed";
+      for (const std::string_view own : generator->own) names += (own.empty() ? "" : ", ") + std::string(own);
+      return usage("tile generator " + spec.generator + " has no option '" + name + "'; it has: " + names);
     } else {
-      return usage("tile generator " + spec.generator + " has no option '" + name +
-                   "'; it has: cells, resolution, seed");
+      options.own.emplace(name, value);
     }
   }
   const std::uint64_t voxels =
@@ -111,8 +151,10 @@ Result<TileMap> make_tile(const TileSpec& spec, unsigned threads, TileReport* re
 
 std::string tile_generators_help() {
   std::string text;
-  for (const Generator& g : kGenerators)
+  for (const Generator& g : kGenerators) {
     text += std::string(g.name) + ":cells=8,resolution=64,seed=1   " + std::string(g.help) + "\n";
+    if (!g.own_help.empty()) text += "    " + std::string(g.own_help) + "\n";
+  }
   return text + "cells: 1…65535; resolution: voxels per axis, 4…1024, or WxHxD; seed: any whole number\n";
 }
 

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "sdk/tiles/generators.h"
+#include "sdk/tiles/seed_search.h"
+#include "sdk/tiles/tile_spec.h"
 #include "tests/support/catch.h"
 
 using namespace mesocell;
@@ -25,27 +27,43 @@ struct Instance {
   Place seed_tile{};
 };
 
-/// The definition, voxel by voxel: the nearest of all seed images up to two tiles away, ties to the lower
-/// cell, then to the lesser (z, y, x) image.
-Instance nearest_seed(const std::vector<TilePoint>& seeds, const Index3& r, const Place& voxel) {
-  Instance best;
-  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+/// A distance as its metric defines it, from scratch. `d` in voxels.
+double distance(const Seed& seed, SeedMetric metric, const std::array<double, 3>& d) {
+  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  if (metric == SeedMetric::kAdditive) return length - seed.weight / kTileUnit;
+  if (metric == SeedMetric::kMultiplicative) return length / seed.weight;
+  if (metric == SeedMetric::kEuclidean) return length;
+  double sum = 0;
+  for (std::size_t r = 0; r < 3; ++r) {
+    double u = 0;
+    for (std::size_t c = 0; c < 3; ++c) u += seed.stretch[3 * r + c] * d[c];
+    sum += u * u;
+  }
+  return std::sqrt(sum);
+}
+
+/// All seed images up to `reach` tiles away, with their distance from a voxel's centre.
+struct Ranked {
+  double distance;
+  Instance instance;
+};
+std::vector<Ranked> ranked_images(const std::vector<Seed>& seeds, SeedMetric metric, const Index3& r,
+                                  const Place& voxel, std::int64_t reach) {
+  std::vector<Ranked> all;
   for (std::uint32_t c = 0; c < seeds.size(); ++c)
-    for (std::int64_t z = -2; z <= 2; ++z)
-      for (std::int64_t y = -2; y <= 2; ++y)
-        for (std::int64_t x = -2; x <= 2; ++x) {
+    for (std::int64_t z = -reach; z <= reach; ++z)
+      for (std::int64_t y = -reach; y <= reach; ++y)
+        for (std::int64_t x = -reach; x <= reach; ++x) {
           const Place tile{x, y, z};
-          std::int64_t d2 = 0;
-          for (std::size_t a = 0; a < 3; ++a) {
-            const std::int64_t d = 2 * 1024 * voxel[a] + 1024 - 2 * (seeds[c][a] + tile[a] * r[a] * 1024);
-            d2 += d * d;
-          }
-          if (d2 < least) {
-            least = d2;
-            best = {c + 1, tile};
-          }
+          std::array<double, 3> d{};
+          for (std::size_t a = 0; a < 3; ++a)
+            d[a] = double(voxel[a]) + 0.5 - double(seeds[c].at[a]) / kTileUnit - double(tile[a] * r[a]);
+          all.push_back({distance(seeds[c], metric, d), {c + 1, tile}});
         }
-  return best;
+  // Stable: of equal ones the lower cell comes first, then the image of lesser (z, y, x).
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Ranked& p, const Ranked& q) { return p.distance < q.distance; });
+  return all;
 }
 
 /// Checks that pieces and home tiles say the same as `instance_of`, which knows each voxel's instance by its
@@ -93,18 +111,110 @@ void check_homes(const TileMap& tile, F instance_of) {
 
 }  // namespace
 
-TEST_CASE("a Voronoi tile gives each voxel to the nearest image of its seed") {
-  for (const Index3 resolution : {Index3{4, 4, 4}, Index3{16, 16, 16}, Index3{23, 23, 23}, Index3{9, 20, 14}})
-    for (const std::uint32_t cells : {1u, 2u, 8u, 40u})
-      for (const std::uint64_t seed : {1u, 77u}) {
-        GeneratorOptions options{.resolution = resolution, .cells = cells, .seed = seed};
+TEST_CASE("a Voronoi tile gives each voxel to the nearest image of its seed, in every metric") {
+  struct Case {
+    const char* name;
+    SeedMetric metric;
+    std::int64_t reach;  // farther than the generator looks
+  };
+  for (const Case& c :
+       {Case{"euclidean", SeedMetric::kEuclidean, 2}, Case{"anisotropic", SeedMetric::kAnisotropic, 3},
+        Case{"additive", SeedMetric::kAdditive, 2}, Case{"multiplicative", SeedMetric::kMultiplicative, 2}})
+    for (const Index3 resolution : {Index3{4, 4, 4}, Index3{13, 13, 13}, Index3{9, 16, 12}})
+      for (const std::uint32_t cells : {1u, 2u, 8u, 20u}) {
+        INFO(c.name << " " << resolution[0] << " " << cells);
+        GeneratorOptions options{
+            .resolution = resolution, .cells = cells, .seed = 77 + cells, .own = {{"metric", c.name}}};
         TileReport report;
         const Result<TileMap> tile = make_voronoi_tile(options, &report);
         REQUIRE(tile.ok());
         CHECK(tile->cell_count + report.dropped_cells == cells);
-        const std::vector<TilePoint> seeds = random_tile_points(options, cells);
-        check_homes(*tile, [&](const Place& v) { return nearest_seed(seeds, resolution, v); });
+        const std::vector<Seed> seeds = random_seeds(options, c.metric);
+        check_homes(*tile, [&](const Place& v) {
+          return ranked_images(seeds, c.metric, resolution, v, c.reach)[0].instance;
+        });
       }
+}
+
+TEST_CASE("a tie goes to the lower cell and the lesser image") {
+  // The centre of a tile of one even side is as near to a seed in its corner as to three images of it.
+  Index3 even{4, 4, 4};
+  TileBuilder builder(even, 2);
+  const std::vector<Seed> seeds{{{0, 0, 2048}}, {{0, 0, 2048}}};
+  const SeedSearch search(seeds, SeedMetric::kEuclidean, 1, even, builder);
+  std::atomic<int> seen{0};
+  CHECK(search.run(2, nullptr, [&](const SeedSearch::Node& node) {
+    for (std::size_t k = 1; k < node.images.size(); ++k)
+      seen += node.images[k].code <= node.images[k - 1].code;
+    seen += node.images.size() < 2;  // the second seed ties with the first everywhere
+  }));
+  CHECK(seen == 0);
+}
+
+TEST_CASE("a Worley tile cuts cells where a combination of distances exceeds a threshold") {
+  struct Case {
+    const char *combine, *threshold, *keep;
+    std::array<double, 4> factors;
+  };
+  for (const Case& c :
+       {Case{"f2-f1", "0.15", "above", {-1, 1, 0, 0}}, Case{"f1", "0.4", "below", {1, 0, 0, 0}},
+        Case{"2*f3-f1+0.5*f4", "1.5", "above", {-1, 0, 2, 0.5}}})
+    for (const std::uint32_t cells : {2u, 9u}) {
+      const Index3 resolution{12, 10, 11};
+      GeneratorOptions options{.resolution = resolution,
+                               .cells = cells,
+                               .seed = 5,
+                               .own = {{"combine", c.combine}, {"threshold", c.threshold}, {"keep", c.keep}}};
+      const Result<TileMap> tile = make_worley_tile(options, nullptr);
+      REQUIRE(tile.ok());
+      const std::vector<Seed> seeds = random_seeds(options, SeedMetric::kEuclidean);
+      const double limit = std::stod(c.threshold) * mean_spacing(options) / kTileUnit;
+      check_homes(*tile, [&](const Place& v) {
+        const std::vector<Ranked> all = ranked_images(seeds, SeedMetric::kEuclidean, resolution, v, 2);
+        double sum = 0;
+        for (std::size_t k = 0; k < 4; ++k) sum += c.factors[k] * all[k].distance;
+        return (sum > limit) == (std::string(c.keep) == "above") ? all[0].instance : Instance{};
+      });
+    }
+}
+
+TEST_CASE("bricks lie in running bond, each of the same size, with mortar between") {
+  const Result<TileMap> tile = make_bricks_tile(
+      {.resolution = {32, 16, 32}, .cells = 8, .own = {{"mortar", "0.25"}, {"courses", "4"}}}, nullptr);
+  REQUIRE(tile.ok());
+  CHECK(tile->cell_count == 8);
+  // A course is 8 voxels high, a quarter of them mortar; a brick is 16 long, 14 without its mortar.
+  check_homes(*tile, [](const Place& v) {
+    const std::int64_t course = v[2] / 8;
+    if (v[2] % 8 < 2 || v[1] < 2) return Instance{};
+    const std::int64_t along = v[0] - (course % 2) * 8, brick = along < 0 ? -1 : along / 16;
+    if (along - brick * 16 < 2) return Instance{};
+    return Instance{std::uint32_t(course * 2 + (brick < 0 ? 1 : brick) + 1), {brick < 0 ? -1 : 0, 0, 0}};
+  });
+}
+
+TEST_CASE("ellipsoids are disjoint, flat and turned") {
+  const Index3 resolution{48, 48, 48};
+  const Result<TileMap> tile =
+      make_ellipsoids_tile({.resolution = resolution, .cells = 6, .seed = 3}, nullptr);
+  const Result<TileMap> balls = make_spheres_tile({.resolution = resolution, .cells = 6, .seed = 3}, nullptr);
+  REQUIRE(tile.ok());
+  CHECK(tile->cell_count == 6);
+  std::uint64_t fewer = 0;
+  for (std::uint64_t i = 0; i < tile->voxel_count(); ++i) {
+    const std::uint32_t id = tile->id(i), ball = balls->id(i);
+    fewer += ball != 0 && id == 0;
+    if (id == 0) continue;
+    REQUIRE(ball != 0);  // each lies within its sphere
+    REQUIRE(tile->pieces[id - 1].cell == balls->pieces[ball - 1].cell);
+  }
+  CHECK(fewer > 1000);
+  const Result<TileMap> round = make_ellipsoids_tile(
+      {.resolution = resolution, .cells = 6, .seed = 3, .own = {{"flatness", "0"}}}, nullptr);
+  std::uint64_t differ = 0;
+  for (std::uint64_t i = 0; i < tile->voxel_count(); ++i)
+    differ += (round->id(i) == 0) != (balls->id(i) == 0);
+  CHECK(double(differ) < 0.001 * double(tile->voxel_count()));  // turning a sphere rounds its surface
 }
 
 TEST_CASE("one Voronoi cell fills the tile, in up to eight pieces, though it meets its own copies") {
@@ -202,6 +312,7 @@ TEST_CASE("cells that get no voxel are left out and counted") {
 TEST_CASE("making a tile can be cancelled") {
   const std::atomic<bool> cancel{true};
   const Progress progress{{}, &cancel};
-  for (const char* recipe : {"voronoi:resolution=64", "spheres:resolution=64"})
+  for (const char* recipe :
+       {"voronoi:resolution=64", "spheres:resolution=64", "worley:resolution=64", "bricks:resolution=64"})
     CHECK(make_tile(*parse_tile_spec(recipe), 2, nullptr, &progress).error().code == ErrorCode::kCancelled);
 }

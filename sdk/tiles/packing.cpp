@@ -5,7 +5,7 @@
 
 #include "sdk/core/parallel.h"
 #include "sdk/core/rng.h"
-#include "sdk/tiles/generators.h"
+#include "sdk/tiles/packing.h"
 
 namespace mesocell {
 namespace {
@@ -38,8 +38,9 @@ class Packing {
   }
 
   /// Grows the spheres in turn until each touches another or has reached the limit.
-  std::vector<double> grow() const {
+  std::vector<Sphere> grow() const {
     std::vector<double> radii(centres_.size(), radius_);
+    std::vector<Sphere> spheres;
     const double own = *std::min_element(size_.begin(), size_.end()) / 2;
     for (std::uint32_t i = 0; i < centres_.size(); ++i) {
       double r = std::min(kGrowthLimit * radius_, own);
@@ -48,11 +49,12 @@ class Packing {
         if (j != i) r = std::min(r, distance - radii[j]);
       });
       radii[i] = std::max(r, radius_);
+      spheres.push_back({centres_[i], radii[i]});
     }
-    return radii;
+    return spheres;
   }
 
-  [[nodiscard]] const std::vector<TilePoint>& centres() const { return centres_; }
+  [[nodiscard]] std::size_t size() const { return centres_.size(); }
 
  private:
   [[nodiscard]] std::int64_t axis_bucket(const TilePoint& p, std::size_t a) const {
@@ -100,14 +102,16 @@ class Packing {
   std::vector<TilePoint> centres_;
 };
 
-/// Places all centres, with smaller spheres if the tile jams (which odd proportions can cause).
-Packing pack(const GeneratorOptions& options) {
+}  // namespace
+
+std::vector<Sphere> pack_spheres(const GeneratorOptions& options) {
   const auto& n = options.resolution;
   const double unit = kTileUnit, volume = double(n[0]) * n[1] * n[2] * unit * unit * unit;
   double radius = std::cbrt(volume * kStartFill / options.cells * 3 / (4 * std::numbers::pi));
   // A sphere must not reach its own image through the shortest side.
   radius = std::min(radius, double(std::min({n[0], n[1], n[2]})) * unit / 2);
   Rng rng(options.seed);
+  // With smaller spheres if the tile jams, which odd proportions can cause.
   for (;; radius *= 0.9) {
     Packing packing(n, radius);
     for (std::uint64_t tries = 0; tries < 200ull * options.cells + 1000; ++tries) {
@@ -115,60 +119,9 @@ Packing pack(const GeneratorOptions& options) {
       for (std::size_t a = 0; a < 3; ++a)
         p[a] = std::int32_t(rng.bits(32) * n[a] * std::uint64_t{kTileUnit} >> 32);
       packing.add(p);
-      if (packing.centres().size() == options.cells) return packing;
+      if (packing.size() == options.cells) return packing.grow();
     }
   }
-}
-
-}  // namespace
-
-Result<TileMap> make_spheres_tile(const GeneratorOptions& options, TileReport* report) {
-  const Packing packing = pack(options);
-  const std::vector<double> radii = packing.grow();
-  TileBuilder builder(options.resolution, options.cells);
-  const auto& n = options.resolution;
-
-  // Spheres are disjoint, so each can be filled on its own.
-  std::atomic<bool> any{false};
-  const bool done = parallel_for(
-      radii.size(), options.threads,
-      [&](std::size_t k, unsigned) {
-        const TilePoint& c = packing.centres()[k];
-        const double r2 = radii[k] * radii[k];
-        std::array<std::int32_t, 3> low{}, high{};
-        for (std::size_t a = 0; a < 3; ++a) {
-          low[a] = std::int32_t(std::floor((c[a] - radii[k]) / kTileUnit));
-          high[a] = std::int32_t(std::ceil((c[a] + radii[k]) / kTileUnit));
-        }
-        for (std::int32_t z = low[2]; z < high[2]; ++z)
-          for (std::int32_t y = low[1]; y < high[1]; ++y)
-            for (std::int32_t x = low[0]; x < high[0]; ++x) {
-              const std::array<std::int32_t, 3> v{x, y, z};
-              double d2 = 0;
-              std::array<std::int32_t, 3> shift{}, wrapped{};
-              for (std::size_t a = 0; a < 3; ++a) {
-                const double d = double(v[a]) * kTileUnit + kTileUnit / 2 - c[a];
-                d2 += d * d;
-                const std::int32_t size = std::int32_t(n[a]);
-                const std::int32_t tile = v[a] < 0 ? -1 : v[a] >= size ? 1 : 0;
-                wrapped[a] = v[a] - tile * size;
-                shift[a] = -tile;  // seen from the wrapped voxel, the centre is that far away
-              }
-              if (d2 >= r2) continue;
-              const std::uint64_t i = std::uint64_t(wrapped[0]) +
-                                      std::uint64_t{n[0]} * (std::uint64_t(wrapped[1]) +
-                                                             std::uint64_t{n[1]} * std::uint64_t(wrapped[2]));
-              builder.set(i, TileBuilder::code(std::uint32_t(k + 1),
-                                               TileBuilder::image_index(shift[0], shift[1], shift[2])));
-              any = true;
-            }
-      },
-      options.progress, "tile");
-  if (!done) return Error{ErrorCode::kCancelled, "cancelled"};
-  if (!any)
-    return Error{ErrorCode::kUsage,
-                 "no sphere of this tile holds a voxel centre; use fewer cells or a higher resolution"};
-  return builder.finish(options.threads, report);
 }
 
 }  // namespace mesocell
