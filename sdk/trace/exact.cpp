@@ -15,12 +15,11 @@ class ExactCaster final : public Caster {
     WalkPlace place;
     if (!WalkRay::make(scene_.to_voxels(ray), walk) || !enter_grid(walk, scene_.size(), place)) return false;
     Voxel low{}, high{};
-    CellScene::Sample sample;
-    while (scene_.empty_box(place.voxel, low, high, sample)) {
+    while (scene_.empty_box(place.voxel, low, high)) {
       leave_box(walk, low, high, place);
       if (!scene_.in_grid(place.voxel)) return false;
     }
-    scene_.set_hit(walk, place, sample, hit);
+    scene_.set_hit(walk, place, hit);
     return true;
   }
 

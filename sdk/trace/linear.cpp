@@ -26,7 +26,6 @@ class LinearCaster final : public Caster {
     const double step = step_voxels_ * per_voxel, entry = place.t;
     const double end = leave_t(walk, {0, 0, 0}, scene_.size());
 
-    CellScene::Sample sample;
     double before = entry, t = entry;
     // Samples lie at entry + n·step, also after a skip.
     for (double n = 0;; t = entry + n * step) {
@@ -45,26 +44,23 @@ class LinearCaster final : public Caster {
         n = std::max(n + 1, std::ceil((exit - entry) / step));
         continue;
       }
-      sample = scene_.sample(place.voxel);
-      if (sample.inside) break;
+      if (scene_.inside(place.voxel)) break;
       before = t;
       n += 1;
     }
     while (t - before > kBisectionVoxels * per_voxel) {
       const double middle = before + (t - before) / 2;
       const Voxel v = voxel_at_t(walk, middle);
-      const CellScene::Sample s = scene_.in_grid(v) ? scene_.sample(v) : CellScene::Sample{};
-      if (!s.inside) {
+      if (!scene_.in_grid(v) || !scene_.inside(v)) {
         before = middle;
         continue;
       }
       t = middle;
-      sample = s;
       place.voxel = v;
     }
     place.t = t;
     place.entry_axis = entry_axis(walk, place.voxel);
-    scene_.set_hit(walk, place, sample, hit);
+    scene_.set_hit(walk, place, hit);
     return true;
   }
 

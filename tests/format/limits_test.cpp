@@ -1,0 +1,157 @@
+#include <memory>
+#include <string>
+
+#include "format/cell_object_chunks.h"
+#include "format/cell_object_io.h"
+#include "format/loader/mesocell_loader.h"
+#include "format/validate.h"
+#include "tests/format/test_file.h"
+#include "tests/format/test_objects.h"
+#include "tests/support/catch.h"
+
+using namespace mesocell;
+using namespace mesocell::test;
+
+namespace {
+
+MesocellStatus load(const Bytes& file, const ReadLimits& limits, std::size_t* need = nullptr) {
+  const MesocellLimits l = {limits.max_file_bytes, limits.max_decoded_bytes, limits.max_tiles};
+  std::size_t arena_bytes = 0;
+  if (const auto s = mesocell_arena_bytes(file.data(), file.size(), &l, &arena_bytes, nullptr);
+      s != kMesocellOk)
+    return s;
+  if (need) *need = arena_bytes;
+  const auto arena = std::make_unique<std::byte[]>(arena_bytes);
+  MesocellObject object;
+  return mesocell_load(file.data(), file.size(), &l, arena.get(), arena_bytes, &object, nullptr);
+}
+
+/// The least value of a limit with which each reader takes the file.
+template <typename Accepts>
+std::uint64_t threshold(std::uint64_t high, const Accepts& accepts) {
+  std::uint64_t low = 0;
+  REQUIRE(accepts(high));
+  while (low < high) {
+    const std::uint64_t mid = low + (high - low) / 2;
+    accepts(mid) ? high = mid : low = mid + 1;
+  }
+  return low;
+}
+
+bool within(const ReadLimits& limits, std::uint64_t max_bytes) {
+  return limits.max_decoded_bytes <= max_bytes;
+}
+
+}  // namespace
+
+TEST_CASE("format: reader, loader and validator draw each limit at the same place") {
+  auto files = small_files();
+  for (std::uint64_t seed = 1; seed < 20; ++seed) files.push_back(encoded(random_small_object(seed)));
+  for (const Bytes& file : files) {
+    for (std::uint64_t ReadLimits::*field :
+         {&ReadLimits::max_file_bytes, &ReadLimits::max_decoded_bytes, &ReadLimits::max_tiles}) {
+      const auto with = [&](std::uint64_t v) {
+        ReadLimits limits;
+        limits.*field = v;
+        return limits;
+      };
+      const auto reader = threshold(1 << 20, [&](std::uint64_t v) {
+        const auto read = read_cell_object(file, with(v));
+        if (!read) REQUIRE(read.error().code == ErrorCode::kLimit);
+        return read.ok();
+      });
+      const auto loader = threshold(1 << 20, [&](std::uint64_t v) {
+        const auto status = load(file, with(v));
+        if (status != kMesocellOk) REQUIRE(status == kMesocellLimit);
+        return status == kMesocellOk;
+      });
+      const auto validator =
+          threshold(1 << 20, [&](std::uint64_t v) { return validate(file, with(v)).valid; });
+      CHECK(reader == loader);
+      CHECK(reader == validator);
+      if (field == &ReadLimits::max_file_bytes) CHECK(reader == file.size());
+    }
+  }
+}
+
+TEST_CASE("format: huge counts in a small file are refused before memory is taken") {
+  // 2^31 - 1 tiles in one run: 8 GiB of entries from a file of 640 bytes.
+  CellObject object = walkthrough_object();
+  TestFile parts = TestFile::take_apart(encoded(object));
+  Bytes grid = parts.payload(kGridChunk), memb = parts.payload(kMembershipChunk);
+  put(grid, 32, 0x7fffffff / 1024, 4);
+  put(grid, 36, 32, 4);
+  put(grid, 40, 32, 4);
+  const std::uint64_t tiles = 0x7fffffffull / 1024 * 1024;
+  memb.resize(40);
+  put(memb, 8, 0, 8);
+  put(memb, 16, tiles * 2, 8);
+  put(memb, 24, 0, 8);
+  put(memb, 36, 0, 4);
+  put(memb, 32, 3, 4);
+  for (std::uint64_t left = tiles; left > 0;) {
+    const std::uint64_t run = std::min<std::uint64_t>(left, 0x3fffffff);
+    memb.resize(memb.size() + 4);
+    put(memb, memb.size() - 4, run << 2, 4);
+    left -= run;
+  }
+  parts.set_payload(kGridChunk, grid);
+  parts.set_payload(kMembershipChunk, memb);
+  const Bytes file = parts.build();
+  ReadLimits limits;
+  CHECK(read_cell_object(file, limits).error().code == ErrorCode::kLimit);
+  CHECK(load(file, limits) == kMesocellLimit);
+  limits.max_tiles = ~std::uint64_t{0};
+  limits.max_decoded_bytes = std::uint64_t{1} << 33;
+  CHECK(within(limits, std::uint64_t{1} << 33));
+  const auto error = read_cell_object(file, limits).error();
+  CHECK(error.code == ErrorCode::kLimit);
+  CHECK(error.chunk == kMembershipChunk);
+  CHECK(load(file, limits) == kMesocellLimit);
+  CHECK(validate(file, limits).issues.back().id == "limit-exceeded");
+
+  // Counts beyond the file's end are faults, not limits.
+  for (const auto& [type, at] : {std::pair{kTileChunk, std::size_t{0}},
+                                 {kMembershipChunk, std::size_t{32}},
+                                 {kMembershipChunk, std::size_t{36}},
+                                 {kTextChunk, std::size_t{0}}}) {
+    TestFile p = TestFile::take_apart(encoded(object));
+    Bytes bytes = p.payload(type);
+    put(bytes, at, type == kTileChunk ? 1024 : 0xffffffff, 4);
+    if (type == kTileChunk) put(bytes, at + 4, 1024 | std::uint64_t{1024} << 32, 8);
+    p.set_payload(type, bytes);
+    const Verdicts v = verdicts(p.build());
+    CHECK(v.agree);
+    CHECK_FALSE(v.limit);
+    CHECK(v.reader_id == "payload-truncated");
+  }
+}
+
+TEST_CASE("format: a zstd bomb costs nothing over the limit") {
+  TestFile parts = TestFile::take_apart(encoded(walkthrough_object()));
+  parts.set_payload(kTileChunk, Bytes(std::size_t{6} << 20));
+  compress(parts.chunk(kTileChunk), 19);
+  const Bytes file = parts.build();
+  CHECK(file.size() < 2000);
+  ReadLimits limits;
+  limits.max_decoded_bytes = 1 << 20;
+  CHECK(read_cell_object(file, limits).error().code == ErrorCode::kLimit);
+  CHECK(Container::open(file, limits).error().code == ErrorCode::kLimit);
+  CHECK(load(file, limits) == kMesocellLimit);
+  CHECK(validate(file, limits).issues.back().id == "limit-exceeded");
+  CHECK_FALSE(read_cell_object(file).ok());
+}
+
+TEST_CASE("format: the loader wants the arena that it asked for") {
+  const Bytes file = small_files()[2];
+  std::size_t need = 0;
+  REQUIRE(load(file, {}, &need) == kMesocellOk);
+  for (const std::size_t have : {std::size_t{0}, std::size_t{1000}, need / 2, need - 1}) {
+    const auto arena = std::make_unique<std::byte[]>(have);
+    MesocellObject object;
+    MesocellFault fault;
+    CHECK(mesocell_load(file.data(), file.size(), nullptr, arena.get(), have, &object, &fault) ==
+          kMesocellArenaTooSmall);
+    CHECK(fault.text != nullptr);
+  }
+}

@@ -1,0 +1,133 @@
+#include <string>
+
+#include "format/cell_object_chunks.h"
+#include "format/cell_object_io.h"
+#include "format/hash.h"
+#include "format/validate.h"
+#include "tests/format/test_file.h"
+#include "tests/format/test_objects.h"
+#include "tests/support/catch.h"
+
+using namespace mesocell;
+using namespace mesocell::test;
+
+namespace {
+
+/// Written and read back is the same object, for the reader and the loader; written again is the same file.
+void check_round_trip(const CellObject& object) {
+  const Bytes file = encoded(object);
+  const auto read = read_cell_object(file);
+  REQUIRE(read.ok());
+  CHECK(*read == object);
+  const Verdicts v = verdicts(file);
+  INFO(v.why << " " << v.loader_text);
+  CHECK(v.agree);
+  CHECK(v.loader);
+  CHECK(v.issues.empty());
+  CHECK(encoded(*read) == file);
+  CHECK(file.size() % 64 == 0);
+}
+
+}  // namespace
+
+TEST_CASE("format: random cell objects survive the round trip") {
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    CAPTURE(seed);
+    check_round_trip(random_small_object(seed));
+  }
+}
+
+TEST_CASE("format: piece ids of one, two and four bytes survive the round trip") {
+  RandomObjectOptions options;
+  options.resolution = {10, 11, 9};
+  options.cells = 700;
+  const CellObject two = random_object(1, options);
+  CHECK(two.tile.id_bytes == 2);
+  check_round_trip(two);
+
+  options.resolution = {64, 40, 40};
+  options.cells = 65535;
+  options.reach = 63;
+  options.tiles = {2, 1, 1};
+  const CellObject four = random_object(2, options);
+  CHECK(four.tile.id_bytes == 4);
+  CHECK(four.tile.cell_count > 50000);
+  check_round_trip(four);
+}
+
+TEST_CASE("format: a whole grid of one membership is one run") {
+  CellObject object = walkthrough_object();
+  object.grid.tiles = object.membership.tiles = {300, 200, 100};
+  object.membership.entries.assign(6000000, 1);
+  object.membership.blocks.clear();
+  check_round_trip(object);
+  CHECK(encoded(object).size() <= 640);
+  CHECK(count_instances(object.membership) == InstanceCounts{12000000, 0, 0});
+}
+
+TEST_CASE("format: instances are counted as they are tagged") {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const MembershipMap m = random_small_object(seed).membership;
+    InstanceCounts expected;
+    for (std::uint64_t t = 0; t < m.entries.size(); ++t) {
+      for (std::uint32_t c = 1; c <= m.cell_count; ++c) {
+        const Tag tag = m.tag(t, c);
+        ++(tag == Tag::kInside    ? expected.inside
+           : tag == Tag::kOutside ? expected.outside
+                                  : expected.intersected);
+      }
+    }
+    CHECK(count_instances(m) == expected);
+  }
+}
+
+TEST_CASE("format: the same object gives the same bytes, and the bytes of a small file are frozen") {
+  const Bytes file = encoded(walkthrough_object());
+  CHECK(file == encoded(walkthrough_object()));
+  REQUIRE(file.size() == 640);
+  // Changes of this hash are changes of the format. All chunks are raw, so it does not hang on zstd.
+  CHECK(hash64(file) == 0x0);
+}
+
+TEST_CASE("format: a writer refuses what the format cannot hold") {
+  CellObject object = walkthrough_object();
+  object.metadata = {{"b", "1"}, {"a", "2"}};
+  CHECK(encode_cell_object(object).error().code == ErrorCode::kUsage);
+  object.metadata = {{"", "1"}};
+  CHECK(encode_cell_object(object).error().id == "text-key");
+  object.metadata = {{"k", "\xff"}};
+  CHECK(encode_cell_object(object).error().id == "text-utf8");
+  object.metadata.clear();
+  object.grid.tiles = object.membership.tiles = {1u << 29, 1, 1};
+  CHECK(encode_cell_object(object).error().code == ErrorCode::kLimit);
+  object.grid.tiles = {1u << 20, 1u << 11, 1};
+  CHECK(encode_cell_object(object).error().id == "grid-tiles");
+}
+
+TEST_CASE("format: container chunks come back, and the writer compresses where it pays") {
+  const Bytes plain(100, std::byte{7});
+  const Bytes long_run(100000, std::byte{7});
+  ContainerWriter writer;
+  writer.add_chunk(fourcc("LONG"), ContainerWriter::Importance::kSkippable, long_run);
+  writer.add_chunk(fourcc("TINY"), ContainerWriter::Importance::kSkippable, plain);
+  writer.add_chunk(fourcc("NONE"), ContainerWriter::Importance::kSkippable, {});
+  for (const auto& part : TestFile::take_apart(encoded(walkthrough_object())).chunks)
+    writer.add_chunk(
+        part.type,
+        part.flags != 0 ? ContainerWriter::Importance::kCritical : ContainerWriter::Importance::kSkippable,
+        part.stored);
+  const auto file = writer.finish(fourcc("CELL"));
+  REQUIRE(file.ok());
+  const auto container = Container::open(*file);
+  REQUIRE(container.ok());
+  CHECK(container->verify().ok());
+  CHECK(container->chunks()[0].codec == kCodecZstd);
+  CHECK(container->chunks()[0].stored_bytes < 100);
+  CHECK(container->chunks()[1].codec == kCodecRaw);
+  CHECK(*container->read_chunk(fourcc("LONG")) == long_run);
+  CHECK(*container->read_chunk(fourcc("TINY")) == plain);
+  CHECK(container->read_chunk(fourcc("NONE"))->empty());
+  CHECK(container->read_chunk(fourcc("GONE")).error().id == "chunk-missing");
+  CHECK(verdicts(*file).agree);
+  CHECK(verdicts(*file).reader);
+}

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "format/cell_object.h"
+#include "sdk/core/rng.h"
+
+/// Cell objects for tests of the format: valid by construction, with nothing to do with any mesh.
+namespace mesocell::test {
+
+struct RandomObjectOptions {
+  Index3 resolution{4, 5, 6};
+  Index3 tiles{3, 2, 4};
+  std::uint32_t cells = 5;        ///< tried; cells that get no voxel are left out
+  int reach = 1;                  ///< homes before they are normalised, −reach…reach tiles
+  std::uint32_t block = 1;        ///< voxels of this many along each axis share a label, which compresses
+  std::uint32_t longest_run = 6;  ///< tiles in a row with one kind of membership
+  std::uint32_t texts = 2;
+};
+
+/// A tile of random labels: every voxel gets a cell and an image of it, then homes are moved to obey the home
+/// rule.
+[[nodiscard]] TileMap random_tile(Rng& rng, const RandomObjectOptions& options);
+[[nodiscard]] CellObject random_object(std::uint64_t seed, const RandomObjectOptions& options = {});
+/// Options drawn from the seed: small objects of all kinds.
+[[nodiscard]] CellObject random_small_object(std::uint64_t seed);
+
+/// The object of spec section 7.
+[[nodiscard]] CellObject walkthrough_object();
+
+/// Three small files, raw and compressed, with and without text.
+[[nodiscard]] std::vector<std::vector<std::byte>> small_files();
+
+/// encode_cell_object() of an object that must encode.
+[[nodiscard]] std::vector<std::byte> encoded(const CellObject& object);
+
+}  // namespace mesocell::test
