@@ -137,7 +137,7 @@ Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile, co
 
   MembershipReport membership_report;
   Result<MembershipMap> membership = compute_membership(
-      voxel_mesh, grid->tiles, tile, {.threads = options.threads}, &membership_report, progress);
+      voxel_mesh, grid->tiles, tile, {.rule = options.rule, .threads = options.threads}, &membership_report, progress);
   if (!membership) return membership.error();
   out.voxelize_seconds = seconds_since(start);
 

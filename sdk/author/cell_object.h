@@ -28,6 +28,7 @@ struct GridOptions {
 
 struct AuthorOptions {
   GridOptions grid = {};
+  MembershipRule rule = MembershipRule::kCentre;
   unsigned threads = 0;  ///< 0: the machine's; the result does not depend on it
 };
 
@@ -46,7 +47,7 @@ struct AuthorReport {
   std::vector<Warning> warnings;
 };
 
-/// Makes a cell object from a closed mesh and a tile, by rule `centre`.
+/// Makes a cell object from a closed mesh and a tile.
 /// Errors: kInvalidInput with the diagnosis if the mesh is not closed or has no extent; kLimit; kCancelled.
 [[nodiscard]] Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile,
                                                     const AuthorOptions& options,

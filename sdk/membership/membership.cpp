@@ -4,10 +4,12 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "sdk/core/parallel.h"
 #include "sdk/membership/scanline.h"
+#include "sdk/membership/touch.h"
 
 namespace mesocell {
 namespace {
@@ -15,6 +17,7 @@ namespace {
 /// What is known of a set of voxels, as bits: some are inside, some are not.
 using Seen = std::uint8_t;
 constexpr Seen kNone = 0, kIn = 1, kOut = 2, kBoth = 3;
+static_assert(kBoth == TouchFinder::kTouched);
 
 /// A run of one piece in a row of the tile, up to voxel `end`.
 struct Run {
@@ -74,6 +77,30 @@ class Bundle {
     if (!mixed_.empty())
       for (std::size_t r = 0; r + 1 < rows_.first.size(); ++r) mark_row(r, intervals.row(r));
     return states_;
+  }
+
+  /// Notes as seen both ways the pieces that a triangle (voxel units) touches, in the tiles (·, ty, tz).
+  void touch(const TouchFinder& finder, const std::array<Vec3, 3>& triangle, std::uint32_t ty,
+             std::uint32_t tz) {
+    const double width = tile_.resolution[0], last = double(states_.size()) - 1;
+    const double low = std::min({triangle[0].x, triangle[1].x, triangle[2].x});
+    const double high = std::max({triangle[0].x, triangle[1].x, triangle[2].x});
+    if (high < -1 || low > width * (last + 1) + 1) return;
+    // Generous by a voxel: a box that ends where the triangle begins meets it.
+    const std::uint32_t first_tile = std::uint32_t(std::clamp(std::floor((low - 1) / width), 0.0, last));
+    const std::uint32_t last_tile = std::uint32_t(std::clamp(std::floor((high + 1) / width), 0.0, last));
+    for (std::uint32_t t = first_tile; t <= last_tile; ++t) {
+      TileState& state = states_[t];
+      const Seen before = state.uniform;
+      if (state.pieces.empty()) state.pieces.assign(tile_.pieces.size() + 1, before);
+      finder.mark(triangle,
+                  {std::int64_t{t} * tile_.resolution[0], std::int64_t{ty} * tile_.resolution[1],
+                   std::int64_t{tz} * tile_.resolution[2]},
+                  state.pieces);
+      if (before != kBoth &&
+          std::find(state.pieces.begin() + 1, state.pieces.end(), kBoth) != state.pieces.end())
+        state.uniform = kBoth;
+    }
   }
 
   [[nodiscard]] std::uint64_t inside_voxels() const {
@@ -238,6 +265,8 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
   const Error cancelled{ErrorCode::kCancelled, "cancelled"};
   const Scanline scanline(mesh, tile.resolution, tiles);
   const TileRows rows = rows_of(tile);
+  std::optional<TouchFinder> finder;
+  if (options.rule == MembershipRule::kConservative) finder.emplace(tile);
   std::vector<TileState> states(std::size_t{tiles[0]} * tiles[1] * tiles[2]);
   const std::size_t bundles = std::size_t{tiles[1]} * tiles[2];
 
@@ -259,9 +288,17 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
         scanline.bundle(std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]), worker.scratch,
                         worker.intervals);
         const std::span<TileState> found = worker.bundle.run(worker.intervals);
+        if (finder)
+          for (const std::uint32_t t :
+               scanline.triangles(std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]))) {
+            const Triangle& v = mesh.triangles[t];
+            worker.bundle.touch(*finder, {mesh.vertices[v[0]], mesh.vertices[v[1]], mesh.vertices[v[2]]},
+                                std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]));
+          }
         inside += worker.bundle.inside_voxels();
         for (std::size_t t = 0; t < found.size(); ++t) {
           if (found[t].uniform == kBoth && ++mixed > max_mixed) over = true;
+          if (found[t].uniform != kBoth) found[t].pieces = {};
           states[b * tiles[0] + t] = std::move(found[t]);
         }
       },
@@ -274,6 +311,7 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
   if (!done) return cancelled;
 
   MembershipMap map;
+  map.rule = options.rule;
   map.tiles = tiles;
   map.cell_count = tile.cell_count;
   const Merger merger(tile, tiles, states);

@@ -10,6 +10,7 @@
 namespace mesocell {
 
 struct MembershipOptions {
+  MembershipRule rule = MembershipRule::kCentre;
   unsigned threads = 0;                              ///< 0: the machine's; the result does not depend on it
   std::uint64_t max_bytes = std::uint64_t{4} << 30;  ///< of working memory for tiles that the surface meets
 };
@@ -20,7 +21,7 @@ struct MembershipReport {
   std::uint64_t mixed_tiles = 0;    ///< tiles with voxels inside and voxels outside
 };
 
-/// Tags every cell instance by rule `centre`. [spec 4.3; Nürnberg 2011, 3.1.5]
+/// Tags every cell instance by a rule. [spec 4.3; Nürnberg 2011, 3.1.5]
 /// - `mesh`: closed (see diagnose()), in voxel units of the grid, coordinates below 2^40 in magnitude
 /// - `tiles`: of the grid; voxels beyond it count as not inside, so an instance that leaves it is never
 /// INSIDE Errors: kLimit, kCancelled. The winding number decides, whatever its sign: a mesh turned inside out

@@ -46,6 +46,12 @@ class Scanline {
   };
   void bundle(std::uint32_t ty, std::uint32_t tz, Scratch& scratch, RowIntervals& out) const;
 
+  /// The triangles, by index, whose boxes are less than a voxel from the tiles (·, ty, tz), and maybe more.
+  [[nodiscard]] std::span<const std::uint32_t> triangles(std::uint32_t ty, std::uint32_t tz) const {
+    const std::size_t b = ty + std::size_t{tiles_[1]} * tz;
+    return {triangles_.data() + first_[b], triangles_.data() + first_[b + 1]};
+  }
+
  private:
   struct Rows {
     std::uint32_t y0, z0;

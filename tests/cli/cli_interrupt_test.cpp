@@ -71,7 +71,7 @@ TEST_CASE("long work shows its progress on a terminal, and nowhere else") {
   const TempFolder folder;
   RunOptions options;
   options.signal = SIGINT;
-  options.signal_after = milliseconds(4000);
+  options.signal_when = " left";
   options.terminal = true;
   const Run seen = run_command(long_convert(folder), options);
   CHECK(seen.exit == 130);
@@ -80,6 +80,7 @@ TEST_CASE("long work shows its progress on a terminal, and nowhere else") {
   CHECK(seen.err.find("mesocell: ") > seen.err.rfind("left"));
   std::vector<std::string> quiet = long_convert(folder);
   quiet.push_back("--quiet");
+  options.signal_when.clear();
   options.signal_after = milliseconds(2000);
   CHECK(run_command(quiet, options).err.find('%') == std::string::npos);
 }

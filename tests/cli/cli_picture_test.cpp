@@ -92,6 +92,7 @@ TEST_CASE("camera, and what makes no sense of it") {
   const Run there = scene.render("p.png", {"--eye", "0,0,9", "--look", "0,0,0", "--fov", "20", "--json"});
   CHECK(there.json()["hits"] > 200);
   CHECK(scene.render("q.png", {"--eye", "-3,-.5,+2"}).exit == 0);
+  CHECK(scene.render("q.png", {"--eye", "-.5,-3,2"}).exit == 0);
   const std::vector<std::string> before = scene.folder.list();
   for (const std::vector<std::string>& bad :
        std::vector<std::vector<std::string>>{{"--eye", "1,2"},

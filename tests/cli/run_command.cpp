@@ -83,7 +83,8 @@ Run run_program(const std::string& program, const std::vector<std::string>& argu
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {
     const auto spent = Clock::now() - start;
-    if (options.signal_after && !signalled && spent >= *options.signal_after) {
+    const bool seen = !options.signal_when.empty() && run.err.find(options.signal_when) != std::string::npos;
+    if (!signalled && (seen || (options.signal_after && spent >= *options.signal_after))) {
       signalled = true;
       kill(child, options.signal);
     }

@@ -22,6 +22,7 @@ struct RunOptions {
   /// A signal that is sent after this time, if the command still runs.
   std::optional<std::chrono::milliseconds> signal_after;
   int signal = 0;
+  std::string signal_when;               ///< or as soon as this stands on the terminal
   bool terminal = false;                 ///< stderr is a terminal
   std::string stdout_path;               ///< stdout goes there instead
   bool closed_stdout = false;            ///< stdout is a pipe that nobody reads

@@ -121,9 +121,9 @@ void check(const Bytes& file, Tally& tally) {
 TEST_CASE("format: reader, loader and validator agree on files whose chunks were changed") {
   Rng rng(20261122);
   Tally tally;
-  for (std::uint64_t base = 0; base < 60; ++base) {
+  for (std::uint64_t base = 0; base < 100; ++base) {
     const TestFile original = TestFile::take_apart(encoded(random_small_object(1000 + base)));
-    for (int i = 0; i < 150; ++i) {
+    for (int i = 0; i < 250; ++i) {
       CAPTURE(base, i);
       TestFile parts = original;
       for (std::uint32_t k = 0, n = 1 + rng.below(3) / 2; k < n; ++k) {
@@ -180,7 +180,7 @@ TEST_CASE("format: reader, loader and validator agree on changed zstd frames") {
   for (std::uint64_t base = 0; base < 20; ++base) {
     TestFile original = TestFile::take_apart(encoded(random_small_object(3000 + base)));
     for (TestChunk& chunk : original.chunks) compress(chunk, 1 + int(base));
-    for (int i = 0; i < 150; ++i) {
+    for (int i = 0; i < 250; ++i) {
       CAPTURE(base, i);
       TestFile parts = original;
       TestChunk& chunk = parts.chunks[rng.below(std::uint32_t(parts.chunks.size()))];

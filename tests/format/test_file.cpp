@@ -166,30 +166,31 @@ bool Verdicts::has(std::string_view id) const {
   return std::find(issues.begin(), issues.end(), id) != issues.end();
 }
 
-Verdicts verdicts(std::span<const std::byte> bytes) {
+Verdicts verdicts(std::span<const std::byte> bytes, const ReadLimits& limits) {
   // Exact buffers of their own let the address sanitizer see a read of one byte too many.
   const auto copy = std::make_unique<std::byte[]>(bytes.size());
   std::copy(bytes.begin(), bytes.end(), copy.get());
   const std::span<const std::byte> file(copy.get(), bytes.size());
   Verdicts v;
-  const auto read = read_cell_object(file);
+  const auto read = read_cell_object(file, limits);
   v.reader = read.ok();
   if (!read) {
     v.reader_id = read.error().id;
     v.limit = read.error().code == ErrorCode::kLimit;
   }
-  const ValidationReport report = validate(file);
+  const ValidationReport report = validate(file, limits);
   v.validator = report.valid;
   for (const Issue& issue : report.issues) v.issues.emplace_back(issue.id);
 
+  const MesocellLimits l = {limits.max_file_bytes, limits.max_decoded_bytes, limits.max_tiles};
   std::size_t arena_bytes = 0;
   MesocellFault fault = {};
   MesocellObject object = {};
   std::unique_ptr<std::byte[]> arena;
-  MesocellStatus status = mesocell_arena_bytes(file.data(), file.size(), nullptr, &arena_bytes, &fault);
+  MesocellStatus status = mesocell_arena_bytes(file.data(), file.size(), &l, &arena_bytes, &fault);
   if (status == kMesocellOk) {
-    arena = std::make_unique<std::byte[]>(arena_bytes);
-    status = mesocell_load(file.data(), file.size(), nullptr, arena.get(), arena_bytes, &object, &fault);
+    arena.reset(new std::byte[arena_bytes]);  // not cleared: many tests ask for a lot
+    status = mesocell_load(file.data(), file.size(), &l, arena.get(), arena_bytes, &object, &fault);
   }
   v.loader = status == kMesocellOk;
   v.loader_limit = status == kMesocellLimit;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "format/cell_object.h"
+#include "format/limits.h"
 
 /// Taking .meso files apart, changing them and putting them together with hashes that fit, so that a test
 /// reaches what lies behind the hashes; and asking all three readers for their verdict.
@@ -70,6 +71,6 @@ struct Verdicts {
 
   [[nodiscard]] bool has(std::string_view id) const;
 };
-[[nodiscard]] Verdicts verdicts(std::span<const std::byte> file);
+[[nodiscard]] Verdicts verdicts(std::span<const std::byte> file, const ReadLimits& limits = {});
 
 }  // namespace mesocell::test

@@ -222,6 +222,67 @@ TEST_CASE("adversarial small meshes equal the definition") {
   }
 }
 
+TEST_CASE("by rule conservative, whatever the surface touches is intersected") {
+  const auto check = [](const TriangleMesh& mesh, const Index3& tiles,
+                        const std::vector<std::string>& tile_recipes) {
+    std::vector<bool> inside, touched;
+    for (const std::string& recipe : tile_recipes) {
+      const TileMap tile = tile_of(recipe);
+      if (inside.empty()) {
+        inside = inside_by_definition(mesh, voxels_of(tiles, tile));
+        touched = touched_by_definition(mesh, voxels_of(tiles, tile));
+      }
+      const Result<MembershipMap> map =
+          compute_membership(mesh, tiles, tile, {.rule = MembershipRule::kConservative, .threads = 2});
+      REQUIRE(map.ok());
+      CHECK(map->rule == MembershipRule::kConservative);
+      REQUIRE(wrong_tags(*map, tags_by_definition(inside, tiles, tile, touched)) == 0);
+    }
+  };
+  SECTION("a cube with its faces on voxel faces touches the voxels on both sides") {
+    check(make_box({4, 4, 4}, {28, 28, 28}), {4, 4, 4}, recipes(8));
+    check(make_box({8, 8, 8}, {24, 24, 24}), {4, 4, 4}, recipes(8));  // on the tiles' faces too
+    check(make_box({0, 0, 0}, {32, 32, 32}), {4, 4, 4}, recipes(8));
+  }
+  SECTION("round meshes, several tiles") {
+    check(make_sphere({20, 21, 22}, 16, 12), {4, 4, 4}, recipes(11));
+    check(make_torus({22, 22, 22}, 14, 6, 20, 12), {4, 4, 4}, recipes(11));
+    check(make_sphere({20, 21, 22}, 16, 12), {3, 6, 3}, {"voronoi:cells=300,resolution=14x7x16"});
+  }
+  SECTION("a real mesh") {
+    const auto path = find_data("meshes/knot1.off");
+    if (!path) {
+      WARN("knot1.off is not here; skipped");
+      return;
+    }
+    const TriangleMesh mesh = *read_mesh_file(*path);
+    const Result<GridLayout> grid = lay_grid(bounding_box(mesh), {9, 9, 9}, {.tiles = 5});
+    check(in_voxels(mesh, *grid), grid->tiles, recipes(9));
+  }
+  SECTION("adversarial small meshes") {
+    Rng rng(13);
+    for (int k = 0; k < 150; ++k) {
+      const auto coordinate = [&]() {
+        switch (rng.below(4)) {
+          case 0:
+            return double(rng.below(9));
+          case 1:
+            return double(rng.below(8)) + (rng.below(2) ? 0x1p-45 : -0x1p-45);
+          case 2:
+            return rng.uniform(0, 8);
+          default:
+            return rng.uniform(-2, 10);
+        }
+      };
+      const auto point = [&]() { return Vec3{coordinate(), coordinate(), coordinate()}; };
+      const Vec3 a = point(), b = point();
+      const TriangleMesh mesh =
+          rng.below(2) ? make_tetrahedron(a, b, point(), point()) : make_box(min(a, b), max(a, b));
+      check(mesh, {2, 2, 2}, {"voronoi:cells=4,resolution=4,seed=2"});
+    }
+  }
+}
+
 TEST_CASE("limits and cancel are told") {
   const TileMap tile = tile_of("voronoi:cells=8,resolution=16");
   const TriangleMesh mesh = make_sphere({32, 32, 32}, 30, 20);

@@ -1,6 +1,10 @@
 #include "tests/support/membership_oracle.h"
 
+#include <gmpxx.h>
+
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "sdk/membership/predicates.h"
 
@@ -23,7 +27,59 @@ int side_3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
   return orientation_2d(a.x, a.y, b.x, b.y, c.x, c.y);
 }
 
+using Point = std::array<mpq_class, 3>;
+
+/// The part of a convex polygon (or segment, or point) where sign · x[axis] ≥ sign · bound.
+std::vector<Point> clip(const std::vector<Point>& polygon, std::size_t axis, int sign,
+                        const mpq_class& bound) {
+  std::vector<Point> kept;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Point &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
+    const mpq_class a = sign * (p[axis] - bound), b = sign * (q[axis] - bound);
+    if (a >= 0) kept.push_back(p);
+    if ((a > 0 && b < 0) || (a < 0 && b > 0)) {
+      Point crossing;
+      for (std::size_t c = 0; c < 3; ++c) crossing[c] = p[c] + (q[c] - p[c]) * (a / (a - b));
+      kept.push_back(crossing);
+    }
+  }
+  return kept;
+}
+
+bool meets_voxel(const std::array<Vec3, 3>& triangle, const std::array<std::int64_t, 3>& voxel) {
+  std::vector<Point> polygon;
+  for (const Vec3& v : triangle) polygon.push_back({mpq_class(v.x), mpq_class(v.y), mpq_class(v.z)});
+  for (std::size_t a = 0; a < 3 && !polygon.empty(); ++a) {
+    polygon = clip(polygon, a, 1, mpq_class(long(voxel[a])));
+    if (!polygon.empty()) polygon = clip(polygon, a, -1, mpq_class(long(voxel[a] + 1)));
+  }
+  return !polygon.empty();
+}
+
 }  // namespace
+
+std::vector<bool> touched_by_definition(const TriangleMesh& mesh, const Index3& voxels) {
+  std::vector<bool> touched(std::size_t{voxels[0]} * voxels[1] * voxels[2]);
+  for (const Triangle& t : mesh.triangles) {
+    const std::array<Vec3, 3> triangle{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+    Box3 box;
+    for (const Vec3& v : triangle) box.add(v);
+    std::array<std::int64_t, 3> low{}, high{}, v{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::int64_t(std::clamp(std::floor(box.min[a]) - 1, 0.0, double(voxels[a])));
+      high[a] = std::int64_t(std::clamp(std::floor(box.max[a]) + 2, 0.0, double(voxels[a])));
+    }
+    for (v[2] = low[2]; v[2] < high[2]; ++v[2])
+      for (v[1] = low[1]; v[1] < high[1]; ++v[1])
+        for (v[0] = low[0]; v[0] < high[0]; ++v[0]) {
+          const std::size_t i =
+              std::size_t(v[0]) +
+              std::size_t{voxels[0]} * (std::size_t(v[1]) + std::size_t{voxels[1]} * std::size_t(v[2]));
+          if (!touched[i]) touched[i] = meets_voxel(triangle, v);
+        }
+  }
+  return touched;
+}
 
 std::vector<bool> inside_by_definition(const TriangleMesh& mesh, const Index3& voxels) {
   std::vector<bool> inside(std::size_t{voxels[0]} * voxels[1] * voxels[2]);
@@ -64,8 +120,8 @@ std::vector<bool> inside_by_definition(const TriangleMesh& mesh, const Index3& v
   return inside;
 }
 
-std::vector<Tag> tags_by_definition(const std::vector<bool>& inside, const Index3& tiles,
-                                    const TileMap& tile) {
+std::vector<Tag> tags_by_definition(const std::vector<bool>& inside, const Index3& tiles, const TileMap& tile,
+                                    const std::vector<bool>& touched) {
   const std::int64_t n[3] = {tiles[0], tiles[1], tiles[2]};
   const std::int64_t r[3] = {tile.resolution[0], tile.resolution[1], tile.resolution[2]};
   std::vector<bool> any_inside(std::size_t(n[0] * n[1] * n[2]) * tile.cell_count),
@@ -93,14 +149,13 @@ std::vector<Tag> tags_by_definition(const std::vector<bool>& inside, const Index
               if (!home_in_grid) continue;
               const std::size_t instance =
                   std::size_t(h[0] + n[0] * (h[1] + n[1] * h[2])) * tile.cell_count + p.cell - 1;
-              const bool in =
-                  in_grid && inside[std::size_t(
-                                 t[0] * r[0] + v[0] +
-                                 n[0] * r[0] * (t[1] * r[1] + v[1] + n[1] * r[1] * (t[2] * r[2] + v[2])))];
-              if (in)
-                any_inside[instance] = true;
-              else
-                any_outside[instance] = true;
+              const std::size_t voxel =
+                  std::size_t(t[0] * r[0] + v[0] +
+                              n[0] * r[0] * (t[1] * r[1] + v[1] + n[1] * r[1] * (t[2] * r[2] + v[2])));
+              const bool in = in_grid && inside[voxel];
+              const bool both = in_grid && !touched.empty() && touched[voxel];
+              if (in || both) any_inside[instance] = true;
+              if (!in || both) any_outside[instance] = true;
             }
       }
   std::vector<Tag> tags(any_inside.size());

@@ -13,8 +13,12 @@ namespace mesocell::test {
 /// moved by (ε, ε², ε³), is not zero. Rays go up along z, one a voxel; x fastest.
 [[nodiscard]] std::vector<bool> inside_by_definition(const TriangleMesh& mesh, const Index3& voxels);
 
+/// Whether each voxel's closed box has a point in common with a closed triangle of the mesh (voxel units): by
+/// exact clipping of the triangle to the box, in rational arithmetic.
+[[nodiscard]] std::vector<bool> touched_by_definition(const TriangleMesh& mesh, const Index3& voxels);
+
 /// The tag of every instance, home tile x fastest, then cell: every voxel of every instance is looked at.
 [[nodiscard]] std::vector<Tag> tags_by_definition(const std::vector<bool>& inside, const Index3& tiles,
-                                                  const TileMap& tile);
+                                                  const TileMap& tile, const std::vector<bool>& touched = {});
 
 }  // namespace mesocell::test

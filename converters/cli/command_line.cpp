@@ -1,0 +1,168 @@
+#include "converters/cli/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "converters/cli/commands.h"
+#include "converters/cli/exit_codes.h"
+#include "converters/import/mesh_file.h"
+#include "format/container_scan.h"
+#include "sdk/tiles/tile_spec.h"
+
+namespace mesocell {
+namespace {
+
+void add_common(CLI::App& app, CommonOptions& options) {
+  app.add_flag("--json", options.json,
+               "Print the result as JSON; a failure is printed as {\"error\": {...}}");
+  app.add_flag("--quiet", options.quiet, "Print no progress, no warnings and no summary");
+  app.add_option("--threads", options.threads, "Threads to use, 0 for all; the result does not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(0u, 1024u).description(""));
+}
+
+void add_no_clobber(CLI::App& app, bool& no_clobber) {
+  app.add_flag("--no-clobber", no_clobber, "Fail if the output exists, instead of replacing it");
+}
+
+void add_convert(CLI::App& app, ConvertCommand& command) {
+  CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a closed mesh");
+  sub->add_option("input", command.input, std::string("Mesh: ") + kMeshExtensions)
+      ->required()
+      ->type_name("MESH");
+  sub->add_option("output", command.output, "File to write: .meso")->required()->type_name("OUTPUT");
+  CLI::Option* tiles =
+      sub->add_option("--tiles", command.tiles, "Tiles along the longest side of the grid, from 1 [16]")
+          ->type_name("N");
+  sub->add_option("--tile-size", command.tile_size, "Edge of a tile in metres, above 0, instead of --tiles")
+      ->type_name("METRES")
+      ->excludes(tiles);
+  sub->add_option("--box", command.box, "Box to cover, instead of the mesh's")
+      ->type_name("X0,Y0,Z0,X1,Y1,Z1");
+  sub->add_option("--tile", command.tile, "Recipe of the tile [" + command.tile + "]")->type_name("RECIPE");
+  add_no_clobber(*sub, command.no_clobber);
+  add_common(*sub, command.common);
+  sub->footer("Recipes:\n" + tile_generators_help() +
+              "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
+              "--tile voronoi:cells=8,resolution=128,seed=1\n");
+}
+
+void add_info(CLI::App& app, InfoCommand& command) {
+  CLI::App* sub = app.add_subcommand("info", "Tell what is in a .meso file");
+  sub->add_option("input", command.input, "File to read: .meso")->required()->type_name("FILE");
+  add_common(*sub, command.common);
+  sub->footer("Example:\n  mesocell info bunny.meso --json\n");
+}
+
+void add_validate(CLI::App& app, ValidateCommand& command) {
+  CLI::App* sub = app.add_subcommand("validate", "List every fault of a .meso file");
+  sub->add_option("input", command.input, "File to check: .meso")->required()->type_name("FILE");
+  add_common(*sub, command.common);
+  sub->footer(
+      "Exit code 0 if the file is valid, 1 if it is not, 3 if it is no .meso file at all.\n\n"
+      "Example:\n  mesocell validate bunny.meso\n");
+}
+
+void add_render(CLI::App& app, RenderCommand& command) {
+  CLI::App* sub = app.add_subcommand("render", "Make a picture of a .meso file");
+  sub->add_option("input", command.input, "File to read: .meso")->required()->type_name("FILE");
+  sub->add_option("output", command.output, "Picture to write: .png or .exr")
+      ->required()
+      ->type_name("PICTURE");
+  sub->add_option("--mode", command.mode, "first-hit (shaded), depth or cell [first-hit]")->type_name("MODE");
+  sub->add_option("--method", command.method, "exact, or linear:S with the step S in tile edges [exact]")
+      ->type_name("METHOD");
+  sub->add_option("--size", command.size, "Size in pixels, each from 1 to 16384 [1024x768]")
+      ->type_name("WxH");
+  sub->add_option("--eye", command.eye, "Where the camera is; framed automatically if not given")
+      ->type_name("X,Y,Z");
+  sub->add_option("--look", command.look, "The point it looks at")->type_name("X,Y,Z");
+  sub->add_option("--up", command.up, "The direction that is up [0,1,0]")->type_name("X,Y,Z");
+  sub->add_option("--fov", command.fov, "Vertical angle of view [35]")->type_name("DEGREES");
+  sub->add_option("--depth", command.depth,
+                  "Also write the distance along each ray, channel Z, a miss is infinite")
+      ->type_name("FILE.exr");
+  add_no_clobber(*sub, command.no_clobber);
+  add_common(*sub, command.common);
+  sub->footer(
+      "In mode depth an .exr holds the distances themselves in channel Z.\n\n"
+      "Example:\n  mesocell render bunny.meso bunny.png --mode first-hit --size 1024x768 --eye "
+      "0.2,0.2,0.3\n");
+}
+
+/// The words of the command line, last first, as the parser takes them. A vector whose first number is
+/// negative and begins with a point ("-.5,0,1") looks like an option to the parser, so it is joined to its
+/// option.
+std::vector<std::string> parser_words(int argc, char** argv) {
+  std::vector<std::string> words;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool number =
+        word.size() > 2 && word[0] == '-' && word[1] == '.' && word[2] >= '0' && word[2] <= '9';
+    if (number && !words.empty() && words.back().starts_with("--") &&
+        words.back().find('=') == std::string::npos)
+      words.back() += "=" + word;
+    else
+      words.push_back(word);
+  }
+  std::reverse(words.begin(), words.end());
+  return words;
+}
+
+bool wants_json(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i)
+    if (std::strcmp(argv[i], "--json") == 0) return true;
+  return false;
+}
+
+/// The parser's complaint as one message with a remedy; its own exit codes are not ours.
+int usage_error(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  std::string message = error.what();
+  for (char& c : message)
+    if (c == '\n') c = ' ';
+  while (!message.empty() && (message.back() == ' ' || message.back() == '.')) message.pop_back();
+  std::string help = "mesocell";
+  for (const CLI::App* sub : app.get_subcommands()) help += " " + sub->get_name();
+  // The parser calls an unknown subcommand a missing one.
+  if (app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-')
+    message = "there is no subcommand '" + std::string(argv[1]) + "'";
+  CommonOptions options;
+  options.json = wants_json(argc, argv);
+  return Console(options).fail(Error{ErrorCode::kUsage, message + "; see " + help + " --help"}, "");
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  CLI::App app("Turn meshes into small, ray-traceable .meso files, and look at them.", "mesocell");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", std::string("mesocell ") + MESOCELL_VERSION + ", format meso " +
+                                        std::to_string(kFormatMajor) + "." + std::to_string(kFormatMinor));
+  app.footer(std::string(exit_codes_help()) +
+             "\nMessages go to stderr and results to stdout. mesocell <subcommand> --help tells more.\n\n"
+             "Example:\n  mesocell convert bunny.off bunny.meso && mesocell render bunny.meso bunny.png\n");
+  ConvertCommand convert;
+  InfoCommand info;
+  ValidateCommand validate;
+  RenderCommand render;
+  add_convert(app, convert);
+  add_info(app, info);
+  add_validate(app, validate);
+  add_render(app, render);
+  try {
+    app.parse(parser_words(argc, argv));
+  } catch (const CLI::Success& wish) {
+    return app.exit(wish);  // prints help or version
+  } catch (const CLI::ParseError& error) {
+    return usage_error(app, error, argc, argv);
+  }
+  if (app.got_subcommand("convert")) return run_convert(convert);
+  if (app.got_subcommand("info")) return run_info(info);
+  if (app.got_subcommand("validate")) return run_validate(validate);
+  return run_render(render);
+}
+
+}  // namespace mesocell

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "converters/cli/console.h"
+
+/// The subcommands. Each takes the words of its command line and returns the exit code; options whose text
+/// has a syntax of its own are parsed by the subcommand.
+namespace mesocell {
+
+struct ConvertCommand {
+  CommonOptions common;
+  std::string input, output;
+  std::int64_t tiles = 16;
+  std::optional<double> tile_size;
+  std::string box;
+  std::string tile = "voronoi:cells=8,resolution=64,seed=1";
+  bool no_clobber = false;
+};
+[[nodiscard]] int run_convert(const ConvertCommand& command);
+
+struct InfoCommand {
+  CommonOptions common;
+  std::string input;
+};
+[[nodiscard]] int run_info(const InfoCommand& command);
+
+struct ValidateCommand {
+  CommonOptions common;
+  std::string input;
+};
+[[nodiscard]] int run_validate(const ValidateCommand& command);
+
+struct RenderCommand {
+  CommonOptions common;
+  std::string input, output, depth;
+  std::string mode = "first-hit", method = "exact", size = "1024x768";
+  std::string eye, look, up;
+  std::optional<double> fov;
+  bool no_clobber = false;
+};
+[[nodiscard]] int run_render(const RenderCommand& command);
+
+/// Whether two paths name the same file, also by different names or through links.
+[[nodiscard]] bool same_file(const std::string& a, const std::string& b);
+
+/// Whether `path` ends in `extension` (with its dot), any case.
+[[nodiscard]] bool has_extension(const std::string& path, std::string_view extension);
+
+/// Whether a file could be written there, tried before long work is begun; nothing is left behind. Errors:
+/// kOutput.
+[[nodiscard]] Status check_output(const std::string& path, bool no_clobber);
+
+/// The bytes of an input, as read_file() gives them, with a remedy in the message of every failure.
+[[nodiscard]] Result<std::vector<std::byte>> read_input(const std::string& path, std::uint64_t max_bytes);
+
+}  // namespace mesocell

@@ -1,0 +1,35 @@
+#include "converters/cli/interrupt.h"
+
+#include <unistd.h>
+#include <csignal>
+
+#include "converters/cli/exit_codes.h"
+#include "format/file.h"
+
+namespace mesocell {
+namespace {
+
+std::atomic<bool> g_cancelled = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "it is set in a signal handler");
+
+extern "C" void on_signal(int) {
+  if (!g_cancelled.exchange(true)) return;
+  remove_temporary_files();
+  _exit(kExitInterrupted);
+}
+
+}  // namespace
+
+void install_signal_handlers() {
+  struct sigaction action = {};
+  action.sa_handler = on_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+const std::atomic<bool>& cancel_flag() { return g_cancelled; }
+
+}  // namespace mesocell

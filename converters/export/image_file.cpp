@@ -1,0 +1,115 @@
+#include "converters/export/image_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <filesystem>
+#include <new>
+#include <optional>
+#include <vector>
+
+#include "converters/export/image_module.h"
+#include "converters/export/module_loader.h"
+#include "format/file.h"
+
+namespace mesocell {
+namespace {
+
+struct ImageFormat {
+  std::string_view extension;
+  MesocellPixelType type;
+};
+
+constexpr std::array<ImageFormat, 2> kFormats = {
+    {{".png", kMesocellPixelUint8}, {".exr", kMesocellPixelFloat}}};
+
+const ImageFormat* find_format(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  for (const ImageFormat& format : kFormats)
+    if (format.extension == extension) return &format;
+  return nullptr;
+}
+
+/// Linear light to an 8-bit sRGB value [IEC 61966-2-1]; NaN becomes 0.
+std::uint8_t encode_srgb(float linear) {
+  const double x = linear > 0 ? std::min(double{linear}, 1.0) : 0.0;
+  const double encoded = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
+  return std::uint8_t(std::lround(255 * encoded));
+}
+
+std::uint8_t encode_linear(float value) {
+  const double x = value > 0 ? std::min(double{value}, 1.0) : 0.0;
+  return std::uint8_t(std::lround(255 * x));
+}
+
+/// The pixels as the module takes them for 8-bit files; alpha carries no gamma.
+std::vector<std::uint8_t> encode_bytes(const ImageView& image) {
+  const std::size_t channels = image.channels.size();
+  std::vector<std::uint8_t> bytes(image.pixels.size());
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    bytes[i] =
+        image.channels[i % channels] == "A" ? encode_linear(image.pixels[i]) : encode_srgb(image.pixels[i]);
+  return bytes;
+}
+
+struct ImageModule {
+  MesocellWriteImage write;
+};
+
+const Result<ImageModule>& image_module() {
+  static const Result<ImageModule> loaded = []() -> Result<ImageModule> {
+    const Result<void*> module = load_module("mesocell_image");
+    if (!module) return module.error();
+    const auto version =
+        reinterpret_cast<MesocellImageModuleVersion>(find_function(*module, "mesocell_image_module_version"));
+    const auto write = reinterpret_cast<MesocellWriteImage>(find_function(*module, "mesocell_write_image"));
+    if (!version || !write || version() != MESOCELL_IMAGE_MODULE_VERSION)
+      return Error{ErrorCode::kOutput,
+                   "the image module is of another version; install the one of this program"};
+    return ImageModule{write};
+  }();
+  return loaded;
+}
+
+}  // namespace
+
+Status check_image_path(const std::string& path) {
+  if (find_format(path)) return {};
+  return Error{ErrorCode::kUsage,
+               "its extension is not one of a picture that can be written; use .png or .exr"};
+}
+
+Status write_image_file(const std::string& path, const ImageView& image, const ImageWriteOptions& options) {
+  assert(image.pixels.size() == std::size_t{image.width} * image.height * image.channels.size());
+  const ImageFormat* format = find_format(path);
+  if (!format) return check_image_path(path);
+  const Result<ImageModule>& module = image_module();
+  if (!module) return module.error();
+  Result<AtomicFile> file = AtomicFile::create(path, options.no_clobber);
+  if (!file) return file.error();
+  try {
+    std::vector<std::uint8_t> bytes;
+    if (format->type == kMesocellPixelUint8) bytes = encode_bytes(image);
+    std::vector<const char*> names;
+    for (const std::string& name : image.channels) names.push_back(name.c_str());
+    const MesocellImage picture{file->temporary_path().c_str(),
+                                image.width,
+                                image.height,
+                                std::uint32_t(image.channels.size()),
+                                format->type,
+                                names.data(),
+                                bytes.empty() ? static_cast<const void*>(image.pixels.data()) : bytes.data()};
+    std::array<char, 512> message{};
+    if (module->write(&picture, message.data(), message.size()) != 0)
+      return Error{ErrorCode::kOutput, std::string("the picture could not be written (") + message.data() +
+                                           "); check the disk and the folder"};
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::kLimit, "there is not enough memory to write the picture; make it smaller"};
+  }
+  return file->commit();
+}
+
+}  // namespace mesocell

@@ -1,0 +1,147 @@
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "converters/import/fan.h"
+#include "converters/import/mesh_text.h"
+#include "converters/import/plain_mesh.h"
+
+namespace mesocell {
+namespace {
+
+/// Words of an OFF file, comments left out; the rest of a line can be passed over.
+class OffWords {
+ public:
+  explicit OffWords(std::string_view bytes) : lines_(bytes) {}
+
+  /// The next word, on whatever line; empty at the end of the file.
+  std::string_view next() {
+    for (;;) {
+      const std::string_view word = next_word(line_);
+      if (!word.empty()) return word;
+      if (!lines_.next(line_)) return {};
+      line_ = line_.substr(0, line_.find('#'));
+    }
+  }
+  void skip_line() { line_ = {}; }
+  [[nodiscard]] std::uint64_t number() const { return lines_.number(); }
+
+ private:
+  LineReader lines_;
+  std::string_view line_;
+};
+
+Error ends_early(const char* what, std::uint64_t promised, std::uint64_t found) {
+  return invalid_mesh("the header promises " + std::to_string(promised) + " " + what +
+                      ", but the file ends after " + std::to_string(found) +
+                      "; the file is cut off, fetch or export it again");
+}
+
+/// Reads the keyword: [ST][C][N]OFF. Nothing if the file is of a kind we can read.
+std::optional<Error> read_keyword(OffWords& words) {
+  std::string_view keyword = words.next();
+  if (keyword.size() >= 3 && keyword.substr(keyword.size() - 3) == "OFF") {
+    keyword.remove_suffix(3);
+    if (keyword.find_first_of("4n") != keyword.npos)
+      return invalid_mesh(
+          "the file has vertices that are not points in space (4OFF or nOFF); export it as OFF");
+    if (keyword.find_first_not_of("STCN") == keyword.npos) return std::nullopt;
+  }
+  return invalid_mesh("the file does not begin with OFF, so it is not an OFF mesh; check the file");
+}
+
+Result<bool> read_vertices(OffWords& words, std::uint64_t count, const Progress* progress, PlainMesh& mesh) {
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (stop_at(progress, i)) return cancelled();
+    Vec3 p;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::string_view word = words.next();
+      if (word.empty()) return ends_early("vertices", count, i);
+      if (!parse_number(word, p[axis]))
+        return invalid_line(words.number(), "a coordinate of vertex " + std::to_string(i) +
+                                                " is not a number; repair the file");
+      mesh.bytes += library_holds(p[axis]) ? word : std::string_view("0");
+      mesh.bytes += axis < 2 ? ' ' : '\n';
+    }
+    words.skip_line();  // normals, colours, texture coordinates
+    mesh.positions.push_back(p);
+  }
+  return true;
+}
+
+Result<bool> read_faces(OffWords& words, std::uint64_t count, std::uint64_t most, const Progress* progress,
+                        PlainMesh& mesh, std::string& text) {
+  std::vector<std::uint32_t> polygon;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (stop_at(progress, i)) return cancelled();
+    const std::string_view size_word = words.next();
+    if (size_word.empty()) return ends_early("faces", count, i);
+    std::int64_t size = 0;
+    if (!parse_integer(size_word, size) || size < 0 || std::uint64_t(size) > most)
+      return invalid_line(words.number(), "the number of corners of face " + std::to_string(i) +
+                                              " makes no sense; repair the file");
+    polygon.clear();
+    for (std::int64_t k = 0; k < size; ++k) {
+      const std::string_view word = words.next();
+      if (word.empty()) return ends_early("faces", count, i);
+      std::int64_t vertex = 0;
+      if (!parse_integer(word, vertex))
+        return invalid_line(words.number(), "a corner of face " + std::to_string(i) +
+                                                " is not a vertex number; repair the file");
+      if (vertex < 0 || std::uint64_t(vertex) >= mesh.positions.size())
+        return invalid_line(words.number(), "face " + std::to_string(i) + " uses vertex " +
+                                                std::to_string(vertex) +
+                                                ", but the vertices are numbered 0 to " +
+                                                std::to_string(std::int64_t(mesh.positions.size()) - 1) +
+                                                "; export the mesh again");
+      polygon.push_back(std::uint32_t(vertex));
+    }
+    words.skip_line();  // colours
+    ++mesh.polygons;
+    cut_into_fan(polygon, mesh.dropped_faces, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      text += "3 " + std::to_string(a) + ' ' + std::to_string(b) + ' ' + std::to_string(c) + '\n';
+      ++mesh.triangles;
+    });
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<PlainMesh> plain_off(std::string_view bytes, const Progress* progress) {
+  OffWords words(bytes);
+  if (std::optional<Error> error = read_keyword(words)) return *error;
+  std::array<std::int64_t, 3> counts{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string_view word = words.next();
+    if (i == 0 && word == "BINARY")
+      return invalid_mesh("the file is a binary OFF, which is not read; export it as text OFF or as PLY");
+    if (!parse_integer(word, counts[i]) || counts[i] < 0)
+      return invalid_mesh(
+          "the numbers of vertices, faces and edges after OFF cannot be read; repair the file");
+  }
+  const std::uint64_t vertices = std::uint64_t(counts[0]), faces = std::uint64_t(counts[1]);
+  // A vertex takes six bytes and a face two at the least: counts that the file cannot hold are refused here.
+  if (vertices > bytes.size() / 6 || faces > bytes.size() / 2 || vertices > kMaxMeshElements ||
+      faces > kMaxMeshElements)
+    return invalid_mesh("the header promises " + std::to_string(vertices) + " vertices and " +
+                        std::to_string(faces) + " faces, more than a file of " +
+                        std::to_string(bytes.size()) +
+                        " bytes can hold; the file is cut off or damaged, fetch or export it again");
+  PlainMesh mesh;
+  mesh.extension = "off";
+  mesh.positions.reserve(vertices);
+  const Result<bool> vertices_read = read_vertices(words, vertices, progress, mesh);
+  if (!vertices_read) return vertices_read.error();
+  std::string face_text;
+  const Result<bool> faces_read = read_faces(words, faces, bytes.size() / 2, progress, mesh, face_text);
+  if (!faces_read) return faces_read.error();
+  mesh.bytes =
+      "OFF\n" + std::to_string(vertices) + ' ' + std::to_string(mesh.triangles) + " 0\n" + mesh.bytes;
+  mesh.bytes += face_text;
+  return mesh;
+}
+
+}  // namespace mesocell

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "format/cell_object.h"
+#include "format/container.h"
+#include "format/limits.h"
+#include "format/result.h"
+
+namespace mesocell {
+
+/// The bytes of a .meso file that holds the object. The same object gives the same bytes. [spec 4]
+/// The maps must satisfy what format/cell_object.h says of them (assert; a debug build reads the bytes back).
+/// Errors: kLimit where the grid or the tile is larger than the format allows, kUsage where metadata is not
+/// valid UTF-8, not in ascending order of keys or has an empty or too long key.
+[[nodiscard]] Result<std::vector<std::byte>> encode_cell_object(const CellObject& object);
+
+/// Decodes the chunks of an opened container and checks every rule of [spec 4]. Chunks that it does not need
+/// are not looked at: see Container::verify(). Untrusted input: safe.
+/// Errors: kInvalidInput with the issue's id, chunk and offset; kLimit.
+[[nodiscard]] Result<CellObject> decode_cell_object(const Container& container,
+                                                    const ReadLimits& limits = {});
+
+/// Opens, verifies and decodes: what most callers want. It accepts exactly the files that validate() finds
+/// valid. Untrusted input: safe. Errors: as Container::open and decode_cell_object.
+[[nodiscard]] Result<CellObject> read_cell_object(std::span<const std::byte> file,
+                                                  const ReadLimits& limits = {});
+
+/// Decodes and checks the chunks of a cell object, reporting to `sink`; those not `usable` are passed over.
+/// Empty after an error. For readers and the validator. Untrusted input: safe.
+[[nodiscard]] std::optional<CellObject> check_cell_object(std::span<const std::byte> file,
+                                                          const ContainerScan& scan, const ReadLimits& limits,
+                                                          MemoryBudget& budget, IssueSink& sink);
+
+}  // namespace mesocell

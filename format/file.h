@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "format/result.h"
+
+namespace mesocell {
+
+/// The bytes of a file, pipe or device. Errors: kUnreadable (missing, a folder, no permission, read error),
+/// kLimit (more than `max_bytes`, found before memory is taken). An empty file is no error.
+[[nodiscard]] Result<std::vector<std::byte>> read_file(const std::string& path, std::uint64_t max_bytes);
+
+/// A file that appears under its name whole or not at all. Bytes go to a temporary name in the same folder
+/// with the same extension, which commit() turns into the target's; without commit() it is removed. A
+/// symbolic link as target stays, what it points to is replaced. A target that is there and is not a regular
+/// file is refused. All errors are kOutput with the system's reason.
+class AtomicFile {
+ public:
+  /// `no_clobber`: an existing target is an error, here and in commit().
+  [[nodiscard]] static Result<AtomicFile> create(const std::string& path, bool no_clobber = false);
+
+  AtomicFile(AtomicFile&& other) noexcept;
+  AtomicFile& operator=(AtomicFile&& other) noexcept;
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  ~AtomicFile();
+
+  /// For libraries that write by name; they may replace the file that is there.
+  [[nodiscard]] const std::string& temporary_path() const { return temporary_; }
+  /// Appends.
+  [[nodiscard]] Status write(std::span<const std::byte> bytes);
+  /// Flushes the file to the disk, gives it its name and flushes the folder. At most once.
+  [[nodiscard]] Status commit();
+
+ private:
+  AtomicFile() = default;
+  void discard() noexcept;
+
+  std::string target_;
+  std::string temporary_;
+  int descriptor_ = -1;
+  int slot_ = -1;
+  bool no_clobber_ = false;
+};
+
+/// Writes all bytes to `path` through an AtomicFile. Errors: kOutput.
+[[nodiscard]] Status write_file(const std::string& path, std::span<const std::byte> bytes,
+                                bool no_clobber = false);
+
+/// Removes the temporary files of all AtomicFiles that are open in this process. Async-signal-safe: for a
+/// signal handler or an exit path that runs no destructors.
+void remove_temporary_files() noexcept;
+
+}  // namespace mesocell

@@ -1,0 +1,123 @@
+#ifndef MESOCELL_LOADER_H
+#define MESOCELL_LOADER_H
+
+/* The compact reference loader of .meso files, version 0.9: this header, mesocell_loader.cpp and zstd are all
+ * that an engine needs. It is written in the order of spec/mesocell-0.9.md, in C++17 without exceptions and
+ * RTTI, is callable from C, and accepts exactly the files that the spec calls valid.
+ *
+ * Untrusted input: safe. Nothing is read outside the file or written outside the arena; sizes are checked
+ * against the file and the caller's limits before they are used. No global state: any thread, any number at
+ * once.
+ *
+ *   size_t need;
+ *   if (mesocell_arena_bytes(file, size, NULL, &need, &fault) != kMesocellOk) ...
+ *   void* arena = malloc(need);
+ *   MesocellObject object;
+ *   if (mesocell_load(file, size, NULL, arena, need, &object, &fault) != kMesocellOk) ...
+ */
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum MesocellStatus {
+  kMesocellOk = 0,
+  kMesocellInvalid = 1,       /* the file breaks a rule of the format, or is of another version */
+  kMesocellLimit = 2,         /* well-formed so far, but over a limit or the machine's address space */
+  kMesocellArenaTooSmall = 3, /* the arena has fewer bytes than mesocell_arena_bytes() said */
+} MesocellStatus;
+
+/* The limits' meaning is in section 6 of the spec. */
+typedef struct MesocellLimits {
+  uint64_t max_file_bytes;    /* default 2^32 */
+  uint64_t max_decoded_bytes; /* default 2^33 */
+  uint64_t max_tiles;         /* default 2^28 */
+} MesocellLimits;
+
+typedef struct MesocellFault {
+  const char* text; /* what is wrong, a static string; NULL if nothing is */
+  uint64_t offset;  /* byte in the file that it was found at, the chunk's first byte inside chunks */
+  uint32_t chunk;   /* four-character code, 0 outside chunks */
+} MesocellFault;
+
+/* A cell object. Pointers lead into the arena. Arrays over tiles and voxels are x fastest, then y, then z. */
+typedef struct MesocellObject {
+  double box_min[3], box_max[3]; /* metres */
+  double voxel_edge;             /* metres */
+  uint32_t tiles[3];
+
+  uint32_t resolution[3]; /* voxels of the tile */
+  uint32_t cell_count, piece_count, id_bytes;
+  const uint8_t* pieces; /* 8 bytes each as in the file: cell u16, home i8[3]; piece id k is number k - 1 */
+  const uint8_t* voxel_ids; /* id_bytes each, little-endian, 0 where empty; aligned to 8 */
+
+  uint32_t rule; /* 0 centre, 1 conservative */
+  uint64_t inside, outside, intersected;
+  const uint32_t*
+      entries;         /* one a tile: 0 outside, 1 inside, 2 intersected, else 3 + number of a mixed tile */
+  const uint8_t* tags; /* mixed_count × block_bytes; cell c at bits 2·((c-1) mod 4) of byte (c-1) / 4 */
+  uint32_t mixed_count, block_bytes;
+
+  uint32_t text_count;
+  const uint8_t* text; /* entries as in the file: see mesocell_next_text() */
+  uint64_t text_bytes;
+} MesocellObject;
+
+/* How many bytes of arena the file needs. Looks at header, directory, layout and GRID; decodes nothing else.
+ * `limits` may be NULL for the defaults, `fault` may be NULL. Allocates nothing, but zstd a context if GRID
+ * is compressed. */
+MesocellStatus mesocell_arena_bytes(const void* file, size_t file_bytes, const MesocellLimits* limits,
+                                    size_t* arena_bytes, MesocellFault* fault);
+
+/* Checks the whole file and loads it into the arena, which must be aligned to 8 bytes. Allocates nothing. The
+ * file is not referred to afterwards. On failure `object` and arena are unspecified. */
+MesocellStatus mesocell_load(const void* file, size_t file_bytes, const MesocellLimits* limits, void* arena,
+                             size_t arena_bytes, MesocellObject* object, MesocellFault* fault);
+
+/* Piece id of voxel `i` of the tile, 0 where empty. */
+static inline uint32_t mesocell_voxel_id(const MesocellObject* object, uint64_t i) {
+  const uint8_t* p = object->voxel_ids + i * object->id_bytes;
+  uint32_t v = p[0];
+  if (object->id_bytes >= 2) v |= (uint32_t)p[1] << 8;
+  if (object->id_bytes == 4) v |= (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+  return v;
+}
+
+/* Cell (from 1) and home, home tile minus tile, of piece `id` (from 1). */
+static inline uint32_t mesocell_piece(const MesocellObject* object, uint32_t id, int home[3]) {
+  const uint8_t* p = object->pieces + (uint64_t)(id - 1) * 8;
+  for (int a = 0; a < 3; ++a) home[a] = p[2 + a] < 128 ? p[2 + a] : p[2 + a] - 256;
+  return p[0] | (uint32_t)p[1] << 8;
+}
+
+/* Tag of the instance of `cell` (from 1) whose home is `tile`: 0 outside, 1 inside, 2 intersected. */
+static inline uint32_t mesocell_tag(const MesocellObject* object, uint64_t tile, uint32_t cell) {
+  const uint32_t entry = object->entries[tile];
+  if (entry < 3) return entry;
+  return object->tags[(uint64_t)(entry - 3) * object->block_bytes + (cell - 1) / 4] >> 2 * ((cell - 1) % 4) &
+         3u;
+}
+
+/* Steps through the text. Begin with *cursor = 0; returns 0 at the end. Strings are UTF-8 and not terminated.
+ */
+static inline int mesocell_next_text(const MesocellObject* object, uint64_t* cursor, const char** key,
+                                     uint32_t* key_bytes, const char** value, uint32_t* value_bytes) {
+  uint32_t sizes[2] = {0, 0};
+  if (*cursor >= object->text_bytes) return 0;
+  for (int i = 0; i < 8; ++i) sizes[i / 4] |= (uint32_t)object->text[*cursor + (uint64_t)i] << 8 * (i % 4);
+  *key_bytes = sizes[0];
+  *value_bytes = sizes[1];
+  *key = (const char*)object->text + *cursor + 8;
+  *value = *key + sizes[0];
+  *cursor += (uint64_t)8 + sizes[0] + sizes[1];
+  return 1;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

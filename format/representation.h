@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "format/container_scan.h"
+
+namespace mesocell {
+
+/// What a representation says of one of its chunks.
+struct ChunkRule {
+  std::uint32_t type = 0;
+  bool critical = false;  ///< a chunk of this type must carry the critical flag, or must not
+  bool required = false;
+};
+
+/// What container and validator know of a representation. Another representation is one more row.
+struct Representation {
+  std::uint32_t code = 0;  ///< the header's field
+  std::string_view name;   ///< as people and scripts see it, e.g. "cell-object"
+  std::span<const ChunkRule> chunks;
+  /// Checks the content of all chunks that are usable and reports to the sink. Untrusted input: safe.
+  void (*check)(std::span<const std::byte> file, const ContainerScan& scan, const ReadLimits& limits,
+                MemoryBudget& budget, IssueSink& sink) = nullptr;
+
+  /// The rule for a chunk type, null if the representation does not know it.
+  [[nodiscard]] const ChunkRule* find(std::uint32_t type) const;
+};
+
+/// All rows.
+[[nodiscard]] std::span<const Representation> representations();
+/// The row of a code, null if there is none.
+[[nodiscard]] const Representation* find_representation(std::uint32_t code);
+
+}  // namespace mesocell
