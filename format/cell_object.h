@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -100,11 +101,34 @@ struct InstanceCounts {
 };
 [[nodiscard]] InstanceCounts count_instances(const MembershipMap& membership);
 
-/// A cell object: the union of its INSIDE cell instances.
+/// An sRGB color, 8 bits a channel.
+using Rgb8 = std::array<std::uint8_t, 3>;
+
+/// A solid texture of the tile: color voxel (i, j, k) of `resolution` covers its share of the tile, and it
+/// repeats with the tile. [spec 4.5]
+struct ColorMap {
+  Index3 resolution{};       ///< 1…1024 each
+  std::vector<Rgb8> voxels;  ///< x fastest
+  bool operator==(const ColorMap&) const = default;
+};
+
+/// Unit normals at the tile's boundary voxels: those that are not empty and have one of 26 neighbours, around
+/// the torus, that is empty or of another instance. Octahedral, 2 × 8 bits. [spec 4.8]
+struct NormalMap {
+  std::vector<std::array<std::uint8_t, 2>> normals;  ///< one a boundary voxel, in storage order
+  bool operator==(const NormalMap&) const = default;
+};
+
+/// A cell object: the union of its INSIDE cell instances. The color of a point is the product, in linear
+/// light, of its color in the tile, that of its cell and that of its instance.
 struct CellObject {
   GridLayout grid;
   TileMap tile;
   MembershipMap membership;
+  std::optional<ColorMap> color;      ///< absent: white
+  std::vector<Rgb8> cell_colors;      ///< one a cell, or empty: white
+  std::vector<Rgb8> instance_colors;  ///< one an INSIDE instance, by home tile, then cell; or empty: white
+  std::optional<NormalMap> normals;
   /// Free text, UTF-8, ascending by key, keys unique.
   std::vector<std::pair<std::string, std::string>> metadata;
   bool operator==(const CellObject&) const = default;

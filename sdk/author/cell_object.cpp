@@ -58,7 +58,7 @@ Result<GridLayout> lay_grid(const Box3& mesh_box, const Index3& resolution, cons
   for (std::size_t a = 1; a < 3; ++a)
     if (extent[a] > extent[longest]) longest = a;
   const double side = extent[longest];
-  if (!(side > 0)) return invalid("all vertices lie at one point, so there is no size to divide into tiles");
+  if (!(side > 0)) return invalid("all vertices lie at one point, so there is no size to divide into tiles; check how the file was made");
   if (!std::isfinite(side) || !is_finite(box.min) || !is_finite(box.max))
     return invalid("its coordinates are too large for double precision; scale it down");
 
@@ -121,7 +121,7 @@ Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile, co
   if (!grid) return grid.error();
   const Vec3 extent = box.extent();
   if (!(extent.x > 0 && extent.y > 0 && extent.z > 0))
-    return Error{ErrorCode::kInvalidInput, "the mesh is flat and encloses no volume", "mesh-flat"};
+    return Error{ErrorCode::kInvalidInput, "the mesh is flat and encloses no volume; give it thickness in a mesh editor", "mesh-flat"};
 
   TriangleMesh voxel_mesh;
   voxel_mesh.triangles = mesh.triangles;
@@ -141,7 +141,10 @@ Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile, co
   if (!membership) return membership.error();
   out.voxelize_seconds = seconds_since(start);
 
-  CellObject object{*grid, std::move(tile), std::move(*membership), {}};
+  CellObject object;
+  object.grid = *grid;
+  object.tile = std::move(tile);
+  object.membership = std::move(*membership);
   const double voxel = grid->voxel_edge * grid->voxel_edge * grid->voxel_edge;
   const double volume = signed_volume(mesh);
   out.mesh_volume = std::abs(volume);

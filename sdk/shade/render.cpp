@@ -19,34 +19,26 @@ struct Mode {
   std::string_view name;
   RenderMode mode;
 };
-constexpr Mode kModes[] = {
-    {"first-hit", RenderMode::kFirstHit}, {"depth", RenderMode::kDepth}, {"cell", RenderMode::kCell}};
+constexpr Mode kModes[] = {{"first-hit", RenderMode::kFirstHit},
+                           {"depth", RenderMode::kDepth},
+                           {"cell", RenderMode::kCell},
+                           {"normal", RenderMode::kNormal},
+                           {"color", RenderMode::kColor}};
 
-using Color = std::array<float, 3>;
-constexpr Color kBackground{0.80f, 0.83f, 0.87f};
-constexpr Color kMaterial{0.66f, 0.62f, 0.55f};
+constexpr Vec3 kSky{0.80, 0.83, 0.87};
 
-Color scaled(const Color& c, double s) { return {float(c[0] * s), float(c[1] * s), float(c[2] * s)}; }
-
-/// Diffuse light of a gray material: a key light from above on the viewer's left, a weak one from the viewer,
-/// and a sky that is brighter above.
-Color shade(Vec3 normal, const Camera& camera) {
-  const Vec3 toward = -camera.forward();
-  const Vec3 key =
-      normalize(normalize(cross(camera.forward(), Vec3{0, 1, 0})) * -0.6 + Vec3{0, 0.9, 0} + toward * 0.7);
-  const double light = 0.72 * std::max(0.0, dot(normal, key)) + 0.18 * std::max(0.0, dot(normal, toward)) +
-                       0.10 + 0.08 * (0.5 + 0.5 * normal.y);
-  return scaled(kMaterial, light);
+void store(std::vector<float>& to, std::size_t pixel, Vec3 v) {
+  for (std::size_t c = 0; c < 3; ++c) to[3 * pixel + c] = float(v[c]);
 }
 
 /// A color of its own for every label, the same in all instances: hues by the golden angle, three
 /// lightnesses.
-Color label_color(std::uint32_t label) {
+Vec3 label_color(std::uint32_t label) {
   const double hue = std::fmod(0.618033988749895 * label, 1.0) * 6, value = 0.9 - 0.2 * (label % 3);
   const auto channel = [&](double offset) {
     const double k = std::fmod(hue + offset, 6.0);
     const double low = 0.25;
-    return float(value * (1 - (1 - low) * std::clamp(std::min(k, 4 - k), 0.0, 1.0)));
+    return value * (1 - (1 - low) * std::clamp(std::min(k, 4 - k), 0.0, 1.0));
   };
   return {channel(5), channel(3), channel(1)};
 }
@@ -77,8 +69,97 @@ Result<RenderMode> parse_render_mode(std::string_view text) {
   return Error{ErrorCode::kUsage, "unknown mode '" + std::string(text) + "'; there are: " + names};
 }
 
+namespace {
+
+/// Renders pixels; what all of them share.
+class Renderer {
+ public:
+  Renderer(const Caster& caster, const Camera& camera, const RenderOptions& options, RenderResult& result)
+      : caster_(caster),
+        camera_(camera),
+        options_(options),
+        environment_(options.environment ? *options.environment : Environment(kSky)),
+        radiance_(caster, options.lighting, environment_, camera.forward()),
+        result_(result) {}
+
+  /// Returns whether the ray through the pixel's centre hits.
+  bool pixel(std::uint32_t x, std::uint32_t y) {
+    const std::size_t i = x + std::size_t{options_.width} * y;
+    const Ray ray = camera_.ray(x + 0.5, y + 0.5);
+    Hit hit;
+    const bool found = caster_.first_hit(ray, hit);
+    if (found) {
+      result_.depth[i] = float(hit.t);
+      result_.cell[i] = float(hit.label);
+      if (options_.layers || options_.mode == RenderMode::kNormal || options_.mode == RenderMode::kColor) {
+        store(result_.normal, i, caster_.shading_normal(hit));
+        store(result_.color, i, caster_.color(hit, ray.origin + ray.direction * hit.t));
+      }
+    }
+    switch (options_.mode) {
+      case RenderMode::kDepth:
+        break;  // needs all depths first
+      case RenderMode::kCell:
+        if (found) store(result_.rgb, i, label_color(hit.label));
+        break;
+      case RenderMode::kNormal:
+        for (std::size_t c = 0; found && c < 3; ++c)
+          result_.rgb[3 * i + c] = 0.5f + 0.5f * result_.normal[3 * i + c];
+        break;
+      case RenderMode::kColor:
+        std::copy_n(result_.color.begin() + std::ptrdiff_t(3 * i), 3,
+                    result_.rgb.begin() + std::ptrdiff_t(3 * i));
+        break;
+      case RenderMode::kFirstHit:
+        store(result_.rgb, i, picture(x, y, ray, found, hit));
+        break;
+    }
+    return found;
+  }
+
+ private:
+  Vec3 picture(std::uint32_t x, std::uint32_t y, const Ray& centre, bool found, const Hit& centre_hit) {
+    Rng rng(x + (std::uint64_t{y} << 32));
+    if (options_.samples == 1)
+      return found ? radiance_.of_hit(centre, centre_hit, rng) : environment_.radiance(centre.direction);
+    Vec3 sum;
+    for (std::uint32_t s = 0; s < options_.samples; ++s) {
+      // The R2 sequence [Roberts 2018]: even at every number of samples.
+      const double u = 0.5 + 0.7548776662466927 * s, v = 0.5 + 0.5698402909980532 * s;
+      const Ray ray = camera_.ray(x + (u - std::floor(u)), y + (v - std::floor(v)));
+      Hit hit;
+      sum = sum + (caster_.first_hit(ray, hit) ? radiance_.of_hit(ray, hit, rng)
+                                               : environment_.radiance(ray.direction));
+    }
+    return sum / options_.samples;
+  }
+
+  const Caster& caster_;
+  const Camera& camera_;
+  const RenderOptions& options_;
+  Environment environment_;
+  Radiance radiance_;
+  RenderResult& result_;
+};
+
+Status check(const RenderOptions& options) {
+  const auto usage = [](const char* text) { return Error{ErrorCode::kUsage, text}; };
+  const Lighting& l = options.lighting;
+  if (!(l.reflectivity >= 0 && l.reflectivity <= 1)) return usage("the reflectivity is not between 0 and 1");
+  if (l.ior != 0 && !(l.ior >= 1 && l.ior <= 10))
+    return usage("the index of refraction is not between 1 and 10");
+  if (l.bounces > 1000 || l.events > 1000) return usage("more than 1000 bounces are not followed");
+  if (l.occlusion_rays > 4096) return usage("more than 4096 rays of occlusion are not cast");
+  if (l.light && !(is_finite(*l.light) && length(*l.light) > 0)) return usage("the light has no direction");
+  if (options.samples < 1 || options.samples > 4096) return usage("the samples are not between 1 and 4096");
+  return {};
+}
+
+}  // namespace
+
 Result<RenderResult> render(const Caster& caster, const RenderOptions& options, const Progress* progress) {
   const auto start = std::chrono::steady_clock::now();
+  if (const Status status = check(options); !status) return status.error();
   const Result<Camera> camera =
       Camera::make(caster.object_box(), options.camera, options.width, options.height);
   if (!camera) return camera.error();
@@ -87,8 +168,12 @@ Result<RenderResult> render(const Caster& caster, const RenderOptions& options, 
   result.height = options.height;
   const std::size_t pixels = std::size_t{options.width} * options.height;
   result.rgb.resize(3 * pixels);
+  result.normal.resize(3 * pixels);
+  result.color.resize(3 * pixels);
+  result.cell.resize(pixels);
   result.depth.assign(pixels, kMissDepth);
 
+  Renderer renderer(caster, *camera, options, result);
   const std::uint32_t columns = (options.width + kTilePixels - 1) / kTilePixels;
   const std::uint32_t rows = (options.height + kTilePixels - 1) / kTilePixels;
   std::atomic<std::uint64_t> hits{0};
@@ -97,18 +182,8 @@ Result<RenderResult> render(const Caster& caster, const RenderOptions& options, 
                         y0 = std::uint32_t(k / columns) * kTilePixels;
     std::uint64_t tile_hits = 0;
     for (std::uint32_t y = y0; y < std::min(y0 + kTilePixels, options.height); ++y)
-      for (std::uint32_t x = x0; x < std::min(x0 + kTilePixels, options.width); ++x) {
-        const std::size_t i = x + std::size_t{options.width} * y;
-        Hit hit;
-        Color color = options.mode == RenderMode::kFirstHit ? kBackground : Color{};
-        if (caster.first_hit(camera->ray(x + 0.5, y + 0.5), hit)) {
-          ++tile_hits;
-          result.depth[i] = float(hit.t);
-          if (options.mode == RenderMode::kFirstHit) color = shade(caster.shading_normal(hit), *camera);
-          if (options.mode == RenderMode::kCell) color = label_color(hit.label);
-        }
-        std::copy(color.begin(), color.end(), result.rgb.begin() + std::ptrdiff_t(3 * i));
-      }
+      for (std::uint32_t x = x0; x < std::min(x0 + kTilePixels, options.width); ++x)
+        tile_hits += renderer.pixel(x, y);
     hits += tile_hits;
   };
   if (!parallel_for(std::size_t{columns} * rows, options.threads, render_tile, progress, "render"))

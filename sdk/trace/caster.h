@@ -26,8 +26,21 @@ class Caster {
   /// The nearest hit. False for a miss, and for a ray that is not finite or has no direction. No allocation.
   [[nodiscard]] virtual bool first_hit(const Ray& ray, Hit& hit) const = 0;
 
-  /// Unit normal to shade a hit of first_hit() with, outward.
+  /// Where a ray that begins inside the object leaves it: `t` of the exit, the last part inside as `element`,
+  /// and the outward normal of the face it leaves by. False if the ray does not begin inside. No allocation.
+  [[nodiscard]] virtual bool first_exit(const Ray& ray, Hit& hit) const = 0;
+
+  /// Whether a point is inside the object. Points beyond its box are not.
+  [[nodiscard]] virtual bool inside(Vec3 point) const = 0;
+
+  /// Unit normal to shade a hit of first_hit() or first_exit() with, outward.
   [[nodiscard]] virtual Vec3 shading_normal(const Hit& hit) const = 0;
+
+  /// Color of the object at a point, as the hit's part has it; linear light, each channel in [0, 1].
+  [[nodiscard]] virtual Vec3 color(const Hit& hit, Vec3 point) const = 0;
+
+  /// Size of the smallest detail, metres: of a cell object the edge of a voxel.
+  [[nodiscard]] virtual double detail() const = 0;
 
   /// What the object's tiles cover, metres.
   [[nodiscard]] virtual Box3 object_box() const = 0;

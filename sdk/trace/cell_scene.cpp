@@ -9,7 +9,47 @@ namespace mesocell {
 namespace {
 
 /// Voxels on each side that a shading normal looks at.
-constexpr std::int64_t kNormalRadius = 3;
+constexpr std::int64_t kNormalRadius = 4;
+
+/// The neighbours that a shading normal sums up, and their directions times a weight that falls smoothly to 0
+/// just beyond the radius: (1 - (d / (r + 1/2))²)².
+struct Neighbour {
+  Voxel offset;
+  Vec3 pull;
+};
+
+const std::vector<Neighbour>& neighbours() {
+  static const std::vector<Neighbour> all = [] {
+    std::vector<Neighbour> list;
+    constexpr std::int64_t r = kNormalRadius;
+    for (std::int64_t z = -r; z <= r; ++z)
+      for (std::int64_t y = -r; y <= r; ++y)
+        for (std::int64_t x = -r; x <= r; ++x) {
+          const std::int64_t d2 = x * x + y * y + z * z;
+          if (d2 == 0 || d2 > r * r) continue;
+          const double u = 1 - double(d2) / ((r + 0.5) * (r + 0.5));
+          list.push_back({{x, y, z}, Vec3{double(x), double(y), double(z)} * (u * u)});
+        }
+    return list;
+  }();
+  return all;
+}
+
+/// The channel of an sRGB color in linear light [IEC 61966-2-1].
+double to_linear(std::uint8_t channel) {
+  static const std::array<double, 256> table = [] {
+    std::array<double, 256> t{};
+    for (std::size_t k = 0; k < 256; ++k) {
+      const double s = double(k) / 255;
+      t[k] = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+    }
+    return t;
+  }();
+  return table[channel];
+}
+
+Vec3 to_linear(const Rgb8& c) { return {to_linear(c[0]), to_linear(c[1]), to_linear(c[2])}; }
+Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
 }  // namespace
 
@@ -21,6 +61,18 @@ CellScene::CellScene(const CellObject& object)
     resolution_[a] = object.tile.resolution[a];
     tiles_[a] = object.grid.tiles[a];
     size_[a] = std::int64_t{resolution_[a]} * tiles_[a];
+  }
+  if (object.color) color_ = *object.color;
+  cell_colors_ = object.cell_colors;
+  instance_colors_ = object.instance_colors;
+  if (!instance_colors_.empty()) {
+    membership_ = object.membership;
+    std::uint64_t count = 0;
+    for (std::uint64_t t = 0; t < membership_.entries.size(); ++t) {
+      first_instance_.push_back(count);
+      for (std::uint32_t c = 1; c <= membership_.cell_count; ++c)
+        count += membership_.tag(t, c) == Tag::kInside;
+    }
   }
   voxel_reach_ = instance_reach(tile_);
   find_inside(object.membership);
@@ -104,19 +156,54 @@ void CellScene::set_hit(const WalkRay& ray, const WalkPlace& place, Hit& hit) co
 
 Vec3 CellScene::shading_normal(const Hit& hit) const {
   Vec3 sum;
-  constexpr std::int64_t r = kNormalRadius;
-  for (std::int64_t z = -r; z <= r; ++z)
-    for (std::int64_t y = -r; y <= r; ++y)
-      for (std::int64_t x = -r; x <= r; ++x) {
-        const std::int64_t d2 = x * x + y * y + z * z;
-        if (d2 == 0 || d2 > r * r) continue;
-        const Voxel v{hit.element[0] + x, hit.element[1] + y, hit.element[2] + z};
-        if (in_grid(v) && inside(v)) continue;
-        sum = sum + Vec3{double(x), double(y), double(z)} / double(d2);
-      }
+  for (const Neighbour& n : neighbours()) {
+    const Voxel v{hit.element[0] + n.offset[0], hit.element[1] + n.offset[1], hit.element[2] + n.offset[2]};
+    if (!in_grid(v) || !inside(v)) sum = sum + n.pull;
+  }
   // Walls thinner than the neighbourhood can balance out; the face that was entered is right then.
   const double l = length(sum);
   return l > 1e-3 ? sum / l : hit.face_normal;
+}
+
+bool CellScene::inside_point(Vec3 point) const {
+  const Vec3 p = (point - box_.min) / voxel_edge_;
+  Voxel v{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (!(p[a] >= 0 && p[a] < double(size_[a]))) return false;
+    v[a] = std::int64_t(p[a]);
+  }
+  return inside(v);
+}
+
+void CellScene::solid_box(const Voxel& v, Voxel& low, Voxel& high) const {
+  const std::int64_t reach = voxel_reach_[in_tile(v, tile_of(v))];
+  for (std::size_t a = 0; a < 3; ++a) {
+    low[a] = v[a] - reach;
+    high[a] = v[a] + reach + 1;
+  }
+}
+
+Vec3 CellScene::color(const Hit& hit, Vec3 point) const {
+  Vec3 color{1, 1, 1};
+  if (!cell_colors_.empty()) color = to_linear(cell_colors_[hit.label - 1]);
+  if (!instance_colors_.empty()) {
+    const std::uint64_t home = std::uint64_t(hit.instance);
+    std::uint64_t i = first_instance_[home];
+    for (std::uint32_t c = 1; c < hit.label; ++c) i += membership_.tag(home, c) == Tag::kInside;
+    color = times(color, to_linear(instance_colors_[i]));
+  }
+  if (color_.voxels.empty()) return color;
+  // The point's share of its tile, held to the voxel that was hit: rounding may put it just beyond.
+  const Vec3 p = (point - box_.min) / voxel_edge_;
+  std::array<std::uint64_t, 3> at{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double x = std::clamp(p[a], double(hit.element[a]), double(hit.element[a]) + 1);
+    const std::int64_t tile = hit.element[a] / resolution_[a];
+    const double share = (x - double(tile * resolution_[a])) / resolution_[a];
+    at[a] = std::min(std::uint64_t(share * color_.resolution[a]), std::uint64_t{color_.resolution[a]} - 1);
+  }
+  return times(
+      color, to_linear(color_.voxels[at[0] + color_.resolution[0] * (at[1] + color_.resolution[1] * at[2])]));
 }
 
 }  // namespace mesocell

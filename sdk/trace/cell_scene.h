@@ -36,6 +36,15 @@ class CellScene {
       if (v[a] < 0 || v[a] >= size_[a]) return false;
     return true;
   }
+  /// Whether a point, in metres, is in a voxel of an INSIDE instance.
+  [[nodiscard]] bool inside_point(Vec3 point) const;
+
+  /// The largest known box of voxels [low, high) around voxel `v`, which is INSIDE, all of which are.
+  void solid_box(const Voxel& v, Voxel& low, Voxel& high) const;
+
+  /// Color of a point in the voxel of a hit; linear light.
+  [[nodiscard]] Vec3 color(const Hit& hit, Vec3 point) const;
+
   /// Voxels along x, y, z.
   [[nodiscard]] const Voxel& size() const { return size_; }
   /// Longest edge of a tile, voxels.
@@ -85,6 +94,11 @@ class CellScene {
   /// Sets of piece ids, a bit each, set_words_ words a set.
   std::vector<std::uint64_t> inside_sets_;
   std::size_t set_words_ = 0;
+  ColorMap color_;  ///< no voxels: white
+  std::vector<Rgb8> cell_colors_, instance_colors_;
+  /// For each tile, how many INSIDE instances have homes before it; only where instances have colors.
+  std::vector<std::uint64_t> first_instance_;
+  MembershipMap membership_;  ///< only where instances have colors
   /// For each voxel of the tile: all voxels up to this Chebyshev distance are of the same instance, or empty.
   std::vector<std::uint8_t> voxel_reach_;
   /// For each tile: 0 if an INSIDE instance has voxels in it, else all tiles nearer than this (Chebyshev)

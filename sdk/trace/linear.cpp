@@ -51,7 +51,7 @@ class LinearCaster final : public Caster {
     while (t - before > kBisectionVoxels * per_voxel) {
       const double middle = before + (t - before) / 2;
       const Voxel v = voxel_at_t(walk, middle);
-      if (!scene_.in_grid(v) || !scene_.inside(v)) {
+      if (!is_inside(v)) {
         before = middle;
         continue;
       }
@@ -64,6 +64,31 @@ class LinearCaster final : public Caster {
     return true;
   }
 
+  bool first_exit(const Ray& ray, Hit& hit) const override {
+    WalkRay walk;
+    if (!WalkRay::make(scene_.to_voxels(ray), walk)) return false;
+    const double per_voxel = 1 / length({walk.direction[0], walk.direction[1], walk.direction[2]});
+    const double step = step_voxels_ * per_voxel;
+    WalkPlace place;
+    place.voxel = voxel_at_t(walk, 0);
+    if (!is_inside(place.voxel)) return false;
+    double before = 0, t = step;
+    for (double n = 1; is_inside(voxel_at_t(walk, t)); t = ++n * step) before = t;
+    while (t - before > kBisectionVoxels * per_voxel) {
+      const double middle = before + (t - before) / 2;
+      (is_inside(voxel_at_t(walk, middle)) ? before : t) = middle;
+    }
+    place.voxel = voxel_at_t(walk, before);
+    place.t = t;
+    place.entry_axis = exit_axis(walk, place.voxel);
+    scene_.set_hit(walk, place, hit);
+    hit.face_normal = -hit.face_normal;
+    return true;
+  }
+
+  bool inside(Vec3 point) const override { return scene_.inside_point(point); }
+  Vec3 color(const Hit& hit, Vec3 point) const override { return scene_.color(hit, point); }
+  double detail() const override { return scene_.voxel_edge(); }
   Vec3 shading_normal(const Hit& hit) const override { return scene_.shading_normal(hit); }
   Box3 object_box() const override { return scene_.object_box(); }
 
@@ -95,6 +120,22 @@ class LinearCaster final : public Caster {
     }
     return axis;
   }
+
+  /// The axis of the face by which the ray leaves a voxel.
+  static int exit_axis(const WalkRay& ray, const Voxel& v) {
+    int axis = -1;
+    double first = std::numeric_limits<double>::infinity();
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (ray.direction[a] == 0) continue;
+      const double t = passage_t(ray, {a, v[a] + (ray.rises(a) ? 1 : 0)});
+      if (t >= first) continue;
+      first = t;
+      axis = int(a);
+    }
+    return axis;
+  }
+
+  [[nodiscard]] bool is_inside(const Voxel& v) const { return scene_.in_grid(v) && scene_.inside(v); }
 
   CellScene scene_;
   double step_voxels_;

@@ -88,8 +88,9 @@ struct WalkPlace {
 /// The first voxel of the grid [0, size) that the ray visits. False if there is none.
 [[nodiscard]] bool enter_grid(const WalkRay& ray, const Voxel& size, WalkPlace& place);
 
-/// Moves on to the first voxel visited outside the box [low, high) of voxels, which holds the present one.
-inline void leave_box(const WalkRay& ray, const Voxel& low, const Voxel& high, WalkPlace& place) {
+/// Moves on to the first voxel visited outside the box [low, high) of voxels, which holds the present one,
+/// and returns the last voxel visited within.
+inline Voxel leave_box(const WalkRay& ray, const Voxel& low, const Voxel& high, WalkPlace& place) {
   Passage best;
   double best_t = 0;
   bool any = false;
@@ -106,6 +107,12 @@ inline void leave_box(const WalkRay& ray, const Voxel& low, const Voxel& high, W
   place.voxel = voxel_at(ray, best, best_t);
   place.t = best_t;
   place.entry_axis = int(best.axis);
+  // On other axes that leave at the same point the voxel may already be beyond the box.
+  Voxel last = place.voxel;
+  last[best.axis] -= ray.rises(best.axis) ? 1 : -1;
+  for (std::size_t a = 0; a < 3; ++a)
+    last[a] = last[a] < low[a] ? low[a] : last[a] >= high[a] ? high[a] - 1 : last[a];
+  return last;
 }
 
 }  // namespace mesocell

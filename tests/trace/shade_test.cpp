@@ -118,7 +118,9 @@ TEST_CASE("modes are chosen by name") {
   CHECK(*parse_render_mode("first-hit") == RenderMode::kFirstHit);
   CHECK(*parse_render_mode("depth") == RenderMode::kDepth);
   CHECK(*parse_render_mode("cell") == RenderMode::kCell);
-  CHECK(parse_render_mode("color").error().code == ErrorCode::kUsage);
+  CHECK(*parse_render_mode("normal") == RenderMode::kNormal);
+  CHECK(*parse_render_mode("color") == RenderMode::kColor);
+  CHECK(parse_render_mode("colour").error().code == ErrorCode::kUsage);
 }
 
 TEST_CASE("rendering can be cancelled") {

@@ -1,0 +1,203 @@
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "format/cell_object_chunks.h"
+#include "tests/format/test_file.h"
+#include "tests/format/test_objects.h"
+#include "tests/support/catch.h"
+
+using namespace mesocell;
+using namespace mesocell::test;
+
+/// Files that break one rule and keep all others, where one fault usually brings more. If a reader forgot
+/// that rule, nothing else would stop the file.
+namespace {
+
+TestFile parts_of(const CellObject& object) {
+  TestFile parts;
+  parts.representation = kCellObjectRepresentation;
+  const auto add = [&](std::uint32_t type, const Bytes& bytes) {
+    parts.chunks.push_back({type, type == kTextChunk ? 0u : 1u, 0, bytes.size(), bytes});
+  };
+  add(kGridChunk, encode_grid(object.grid));
+  add(kTileChunk, encode_tile(object.tile));
+  add(kMembershipChunk, encode_membership(object.membership));
+  add(kTextChunk, encode_text(object.metadata));
+  return parts;
+}
+
+/// The walk-through's object with a tile of this resolution and the grid of these tiles, all INSIDE.
+CellObject resized(const Index3& resolution, const Index3& tiles) {
+  CellObject object = walkthrough_object();
+  object.tile.resolution = resolution;
+  object.tile.cell_count = 1;
+  object.tile.pieces = {{1, {0, 0, 0}}};
+  object.tile.voxel_ids.assign(object.tile.voxel_count(), 1);
+  object.grid.tiles = object.membership.tiles = tiles;
+  object.membership.cell_count = 1;
+  object.membership.blocks.clear();
+  object.membership.entries.assign(object.grid.tile_count(), 1);
+  return object;
+}
+
+void check_sole_fault(const Bytes& file, const std::string& id) {
+  CAPTURE(id);
+  const Verdicts v = verdicts(file);
+  CAPTURE(v.why, v.reader_id, v.loader_text);
+  CHECK(v.agree);
+  CHECK_FALSE(v.reader);
+  CHECK(v.issues == std::vector<std::string>{id});
+}
+
+void check_sole_fault(const CellObject& object, const std::string& id) {
+  check_sole_fault(parts_of(object).build(), id);
+}
+
+/// The walk-through with one chunk's payload changed.
+Bytes edited(std::uint32_t type, const std::function<void(Bytes&)>& edit) {
+  TestFile parts = parts_of(walkthrough_object());
+  Bytes payload = parts.payload(type);
+  edit(payload);
+  parts.set_payload(type, payload);
+  return parts.build();
+}
+
+/// The walk-through with its TILE in this frame, which zstd itself decodes.
+Bytes framed(const std::function<Bytes(const Bytes&)>& frame) {
+  TestFile parts = parts_of(walkthrough_object());
+  TestChunk& tile = parts.chunk(kTileChunk);
+  tile.codec = 1;
+  tile.stored = frame(tile.stored);
+  return parts.build();
+}
+
+Bytes operator+(Bytes a, const Bytes& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+}  // namespace
+
+TEST_CASE("format: a sole fault of the container is found") {
+  TestFile many = parts_of(walkthrough_object());
+  for (std::uint32_t i = 0; i < 1020; ++i) many.chunks.push_back({0x80000000 + i, 0, 0, 0, {}});
+  CHECK(verdicts(many.build()).reader);
+  many.chunks.push_back({0x70000000, 0, 0, 0, {}});
+  check_sole_fault(many.build(), "chunk-count");
+
+  // Entries that change places still cover the file, but not in order.
+  Bytes swapped = parts_of(walkthrough_object()).build();
+  std::swap_ranges(swapped.begin() + 64, swapped.begin() + 128, swapped.begin() + 128);
+  reseal_directory(swapped);
+  const Verdicts v = verdicts(swapped);
+  CHECK(v.agree);
+  CHECK(v.reader_id == "chunk-offset");
+  for (const std::string& id : v.issues) CHECK(id == "chunk-offset");
+}
+
+TEST_CASE("format: a frame that zstd decodes and the format does not allow is found") {
+  const auto with_dictionary_id = [](const Bytes& content) {
+    Bytes frame(14);
+    put(frame, 0, 0xFD2FB528, 4);
+    put(frame, 4, 0x81, 1);  // content size in four bytes, dictionary id in one: 0, that is none
+    put(frame, 7, content.size(), 4);
+    put(frame, 11, content.size() << 3 | 1, 3);
+    return frame + content;
+  };
+  check_sole_fault(framed(with_dictionary_id), "zstd-frame");
+  Bytes skippable(8);
+  put(skippable, 0, 0x184D2A50, 4);
+  check_sole_fault(framed([&](const Bytes& b) { return zstd_frame(b) + skippable; }), "zstd-frame");
+  check_sole_fault(framed([&](const Bytes& b) { return skippable + zstd_frame(b); }), "zstd-frame");
+  check_sole_fault(framed([](const Bytes& b) { return zstd_frame(b) + zstd_frame({}); }), "zstd-frame");
+}
+
+TEST_CASE("format: a sole fault of GRID or TILE is found") {
+  CHECK(verdicts(parts_of(resized({4, 1024, 5}, {7, 5, 3})).build()).reader);
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const std::uint32_t r : {3u, 1025u}) {
+      Index3 resolution = {4, 4, 4};
+      resolution[a] = r;
+      check_sole_fault(resized(resolution, {1, 1, 1}), "tile-resolution");
+    }
+    Index3 resolution = {4, 4, 4}, tiles = {1, 1, 1};
+    resolution[a] = 1024;
+    tiles[a] = 1u << 20;
+    CHECK(verdicts(parts_of(resized(resolution, tiles)).build()).reader);
+    tiles[a] += 1;
+    check_sole_fault(resized(resolution, tiles), "grid-extent");
+  }
+
+  CellObject no_cells = resized({4, 4, 4}, {2, 1, 1});
+  no_cells.tile.cell_count = no_cells.membership.cell_count = 0;
+  no_cells.tile.pieces.clear();
+  no_cells.tile.voxel_ids.assign(64, 0);
+  const Verdicts v = verdicts(parts_of(no_cells).build());
+  CHECK(v.agree);
+  CHECK(v.reader_id == "tile-cell-count");
+
+  CellObject cell_left_out = walkthrough_object();
+  cell_left_out.tile.cell_count = cell_left_out.membership.cell_count = 3;
+  check_sole_fault(cell_left_out, "cell-without-piece");
+
+  CellObject twice = walkthrough_object();
+  twice.tile.pieces = {{1, {0, 0, 0}}, {2, {0, 0, 0}}, {1, {0, 0, 0}}, {2, {0, 0, 0}}};
+  twice.tile.voxel_ids[63] = 4;
+  check_sole_fault(twice, "piece-order");
+
+  for (const unsigned id_bytes : {2u, 4u}) {
+    check_sole_fault(edited(kTileChunk,
+                            [&](Bytes& tile) {
+                              Bytes wide(tile.begin(), tile.begin() + 48);
+                              for (std::size_t i = 48; i < tile.size(); ++i) {
+                                wide.push_back(tile[i]);
+                                wide.resize(wide.size() + id_bytes - 1);
+                              }
+                              put(wide, 20, id_bytes);
+                              tile = wide;
+                            }),
+                     "tile-id-bytes");
+  }
+}
+
+TEST_CASE("format: a sole fault of MEMB is found") {
+  const auto insert_run = [](Bytes& memb, std::size_t index, std::uint32_t run) {
+    const std::size_t at = 40 + 4 * index;
+    memb.insert(memb.begin() + std::ptrdiff_t(at), 4, std::byte{0});
+    put(memb, at, run);
+    put(memb, 32, get(memb, 32) + 1);
+  };
+  // Runs are (1 tile INSIDE) and (1 tile mixed).
+  for (std::size_t index = 0; index <= 2; ++index)
+    check_sole_fault(edited(kMembershipChunk, [&](Bytes& m) { insert_run(m, index, 2); }), "memb-run-length");
+  CellObject object = walkthrough_object();
+  object.grid.tiles = object.membership.tiles = {3, 1, 1};
+  object.membership.entries = {1, 1, MembershipMap::kFirstBlock};
+  TestFile split = parts_of(object);
+  Bytes memb = split.payload(kMembershipChunk);
+  put(memb, 40, 1 << 2 | 1);
+  insert_run(memb, 1, 1 << 2 | 1);
+  split.set_payload(kMembershipChunk, memb);
+  check_sole_fault(split.build(), "memb-run-merge");
+
+  for (const unsigned uniform : {0b0000u, 0b0101u, 0b1010u}) {
+    CellObject all_same = walkthrough_object();
+    all_same.membership.blocks = {std::uint8_t(uniform)};
+    check_sole_fault(all_same, "memb-uniform");
+  }
+  // A tag of 3 that the counts leave out.
+  check_sole_fault(edited(kMembershipChunk,
+                          [](Bytes& m) {
+                            put(m, m.size() - 1, 0b1101, 1);
+                            put(m, 24, 0, 8);
+                          }),
+                   "memb-tag");
+  // Unused bits are after the second cell.
+  for (unsigned bit = 4; bit < 8; ++bit) {
+    check_sole_fault(
+        edited(kMembershipChunk, [&](Bytes& m) { put(m, m.size() - 1, 0b1001u | 1u << bit, 1); }),
+        "memb-unused-bits");
+  }
+}
