@@ -47,19 +47,9 @@ std::uint64_t peak_bytes() {
   return std::uint64_t(usage.ru_maxrss) * 1024;
 }
 
-/// The recipe with its options in order, so that the same tile is written the same way.
-std::string canonical_recipe(const TileSpec& spec) {
-  std::string text = spec.generator;
-  char separator = ':';
-  for (const auto& [key, value] : spec.options) {
-    text += std::exchange(separator, ',') + key + "=" + value;
-  }
-  return text;
-}
-
 /// What the words of the command line mean.
 struct Plan {
-  TileSpec spec;
+  Recipe spec;
   AuthorOptions author;
 };
 
@@ -81,7 +71,7 @@ std::optional<Failure> make_plan(const ConvertCommand& command, Plan& plan) {
     return usage(command.output, "a mesh can be converted to .meso alone; give the output that extension");
   if (same_file(command.input, command.output))
     return usage(command.output, "input and output are the same file; name another output");
-  Result<TileSpec> spec = parse_tile_spec(command.tile);
+  Result<Recipe> spec = parse_recipe(command.tile);
   if (!spec) return Failure{spec.error(), "--tile"};
   plan.spec = std::move(*spec);
   plan.author.threads = command.common.threads;
@@ -146,7 +136,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
          std::to_string(tile_report.dropped_cells) +
              " cells of the tile got no voxel and were left out; use fewer cells or a higher "
              "resolution"});
-  object->metadata = {{"tile", canonical_recipe(plan.spec)}};
+  object->metadata = {{"tile", to_text(plan.spec)}};
 
   watch.lap();
   const Result<std::vector<std::byte>> bytes = encode_cell_object(*object);

@@ -31,9 +31,9 @@ std::uint32_t choose_courses(const GeneratorOptions& options) {
 }  // namespace
 
 Result<TileMap> make_bricks_tile(const GeneratorOptions& options, TileReport* report) {
-  const Result<double> mortar = own_number(options, "mortar", 0.1, 0, 0.9);
+  const Result<double> mortar = number_option(options.recipe, "mortar", 0.1, 0, 0.9);
   if (!mortar) return mortar.error();
-  const Result<double> given = own_number(options, "courses", 0, 0, 1024);
+  const Result<double> given = number_option(options.recipe, "courses", 0, 0, 1024);
   if (!given) return given.error();
   const std::uint32_t courses = *given > 0 ? std::uint32_t(*given) : choose_courses(options);
   if (courses == 0 || courses % 2 != 0 || double(courses) != (*given > 0 ? *given : double(courses)))

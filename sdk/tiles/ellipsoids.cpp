@@ -82,7 +82,7 @@ Result<TileMap> make_spheres_tile(const GeneratorOptions& options, TileReport* r
 }
 
 Result<TileMap> make_ellipsoids_tile(const GeneratorOptions& options, TileReport* report) {
-  const Result<double> flatness = own_number(options, "flatness", 0.6, 0, 0.95);
+  const Result<double> flatness = number_option(options.recipe, "flatness", 0.6, 0, 0.95);
   if (!flatness) return flatness.error();
   Rng rng(~options.seed);
   std::vector<Ellipsoid> ellipsoids;

@@ -2,10 +2,9 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
-#include <string>
 #include <vector>
 
+#include "sdk/core/recipe.h"
 #include "sdk/tiles/tile_builder.h"
 
 namespace mesocell {
@@ -15,7 +14,7 @@ struct GeneratorOptions {
   Index3 resolution{64, 64, 64};  ///< voxels, 4…1024 each
   std::uint32_t cells = 8;        ///< 1…65535
   std::uint64_t seed = 1;
-  std::map<std::string, std::string> own = {};  ///< the generator's own options, names already checked
+  Recipe recipe = {};  ///< for the generator's own options, whose names are checked
   unsigned threads = 0;
   const Progress* progress = nullptr;
 };
@@ -24,11 +23,6 @@ struct GeneratorOptions {
 /// on every machine.
 using TilePoint = std::array<std::int32_t, 3>;
 inline constexpr std::int32_t kTileUnit = 1024;
-
-/// Reads one of a generator's own numbers from its options, `fallback` if it is not given.
-/// Errors: kUsage if it is not a number in [low, high].
-[[nodiscard]] Result<double> own_number(const GeneratorOptions& options, const std::string& name,
-                                        double fallback, double low, double high);
 
 /// `count` points, uniform in the tile. A seed gives the same points, as fractions of the tile, at every
 /// resolution (to 1/1024 voxel).

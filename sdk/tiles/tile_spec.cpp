@@ -1,11 +1,9 @@
 #include "sdk/tiles/tile_spec.h"
 
-#include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstdio>
 #include <optional>
-#include <span>
+#include <vector>
 
 #include "sdk/tiles/generators.h"
 
@@ -46,22 +44,20 @@ constexpr Generator kGenerators[] = {
 
 Error usage(std::string text) { return {ErrorCode::kUsage, std::move(text)}; }
 
-template <typename T>
-std::optional<T> to_number(std::string_view text) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 /// "128" or "96x64x128".
 std::optional<Index3> to_resolution(std::string_view text) {
-  if (const auto all = to_number<std::uint32_t>(text)) return Index3{*all, *all, *all};
+  const auto number = [](std::string_view part) -> std::optional<std::uint32_t> {
+    std::uint32_t n = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), n);
+    if (error != std::errc{} || end != part.data() + part.size() || n < 4 || n > 1024) return std::nullopt;
+    return n;
+  };
+  if (const auto all = number(text)) return Index3{*all, *all, *all};
   Index3 r{};
   for (std::size_t a = 0; a < 3; ++a) {
     const std::size_t x = text.find('x');
     if ((x == std::string_view::npos) != (a == 2)) return std::nullopt;
-    const auto n = to_number<std::uint32_t>(text.substr(0, x));
+    const auto n = number(text.substr(0, x));
     if (!n) return std::nullopt;
     r[a] = *n;
     if (a < 2) text.remove_prefix(x + 1);
@@ -71,75 +67,36 @@ std::optional<Index3> to_resolution(std::string_view text) {
 
 }  // namespace
 
-Result<double> own_number(const GeneratorOptions& options, const std::string& name, double fallback,
-                          double low, double high) {
-  const auto given = options.own.find(name);
-  if (given == options.own.end()) return fallback;
-  const auto number = to_number<double>(given->second);
-  if (!number || !(*number >= low && *number <= high)) {
-    char range[64];
-    std::snprintf(range, sizeof range, "%g to %g", low, high);
-    return usage(name + "=" + given->second + " is not a number from " + range);
-  }
-  return *number;
-}
-
-Result<TileSpec> parse_tile_spec(std::string_view text) {
-  TileSpec spec;
-  const std::size_t colon = text.find(':');
-  spec.generator = text.substr(0, colon);
-  if (spec.generator.empty()) return usage("a tile recipe begins with a generator, as in voronoi:cells=8");
-  if (colon == std::string_view::npos) return spec;
-  text.remove_prefix(colon + 1);
-  for (;;) {
-    const std::size_t comma = text.find(',');
-    const std::string_view item = text.substr(0, comma);
-    const std::size_t equals = item.find('=');
-    if (equals == std::string_view::npos || equals == 0 || equals + 1 == item.size())
-      return usage("tile option '" + std::string(item) + "' is not of the form name=value");
-    if (!spec.options.emplace(item.substr(0, equals), item.substr(equals + 1)).second)
-      return usage("tile option '" + std::string(item.substr(0, equals)) + "' is given twice");
-    if (comma == std::string_view::npos) return spec;
-    text.remove_prefix(comma + 1);
-  }
-}
-
-Result<TileMap> make_tile(const TileSpec& spec, unsigned threads, TileReport* report,
+Result<TileMap> make_tile(const Recipe& recipe, unsigned threads, TileReport* report,
                           const Progress* progress) {
   const Generator* generator = nullptr;
-  for (const Generator& g : kGenerators)
-    if (g.name == spec.generator) generator = &g;
-  if (!generator) {
-    std::string names;
-    for (const Generator& g : kGenerators) names += (names.empty() ? "" : ", ") + std::string(g.name);
-    return usage("unknown tile generator '" + spec.generator + "'; there are: " + names);
+  std::string names;
+  for (const Generator& g : kGenerators) {
+    if (g.name == recipe.name) generator = &g;
+    names += (names.empty() ? "" : ", ") + std::string(g.name);
   }
+  if (!generator) return usage("unknown tile generator '" + recipe.name + "'; there are: " + names);
+  std::vector<std::string_view> known{"cells", "resolution", "seed"};
+  for (const std::string_view own : generator->own)
+    if (!own.empty()) known.push_back(own);
+  if (const Status status = check_options(recipe, "tile generator", known); !status) return status.error();
+
   GeneratorOptions options;
+  options.recipe = recipe;
   options.threads = threads;
   options.progress = progress;
-  for (const auto& [name, value] : spec.options) {
-    if (name == "cells") {
-      const auto n = to_number<std::uint32_t>(value);
-      if (!n || *n < 1 || *n > 65535) return usage("cells=" + value + " is not a number from 1 to 65535");
-      options.cells = *n;
-    } else if (name == "resolution") {
-      const auto r = to_resolution(value);
-      bool good = r.has_value();
-      for (std::size_t a = 0; good && a < 3; ++a) good = (*r)[a] >= 4 && (*r)[a] <= 1024;
-      if (!good)
-        return usage("resolution=" + value + " is not a number of voxels from 4 to 1024, nor WxHxD of such");
-      options.resolution = *r;
-    } else if (name == "seed") {
-      const auto n = to_number<std::uint64_t>(value);
-      if (!n) return usage("seed=" + value + " is not a whole number from 0 to 2^64-1");
-      options.seed = *n;
-    } else if (std::find(generator->own.begin(), generator->own.end(), name) == generator->own.end()) {
-      std::string names = "cells, resolution, seed";
-      for (const std::string_view own : generator->own) names += (own.empty() ? "" : ", ") + std::string(own);
-      return usage("tile generator " + spec.generator + " has no option '" + name + "'; it has: " + names);
-    } else {
-      options.own.emplace(name, value);
-    }
+  const auto cells = whole_option(recipe, "cells", options.cells, 1, 65535);
+  if (!cells) return cells.error();
+  options.cells = std::uint32_t(*cells);
+  const auto seed = whole_option(recipe, "seed", options.seed, 0, ~std::uint64_t{0});
+  if (!seed) return seed.error();
+  options.seed = *seed;
+  if (const auto given = recipe.options.find("resolution"); given != recipe.options.end()) {
+    const auto resolution = to_resolution(given->second);
+    if (!resolution)
+      return usage("resolution=" + given->second +
+                   " is not a number of voxels from 4 to 1024, nor WxHxD of such");
+    options.resolution = *resolution;
   }
   const std::uint64_t voxels =
       std::uint64_t{options.resolution[0]} * options.resolution[1] * options.resolution[2];

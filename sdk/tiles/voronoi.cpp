@@ -22,8 +22,8 @@ constexpr Metric kMetrics[] = {
 }  // namespace
 
 Result<TileMap> make_voronoi_tile(const GeneratorOptions& options, TileReport* report) {
-  const auto given = options.own.find("metric");
-  const std::string name = given == options.own.end() ? "euclidean" : given->second;
+  const auto given = options.recipe.options.find("metric");
+  const std::string name = given == options.recipe.options.end() ? "euclidean" : given->second;
   const Metric* metric = nullptr;
   std::string names;
   for (const Metric& m : kMetrics) {

@@ -70,12 +70,12 @@ Nearest nearest_images(const SeedSearch& search, const SeedSearch::Node& node, s
 
 Result<TileMap> make_worley_tile(const GeneratorOptions& options, TileReport* report) {
   const auto own = [&](const char* name, const char* fallback) {
-    const auto given = options.own.find(name);
-    return given == options.own.end() ? std::string(fallback) : given->second;
+    const auto given = options.recipe.options.find(name);
+    return given == options.recipe.options.end() ? std::string(fallback) : given->second;
   };
   const Result<Combination> factors = parse_combination(own("combine", "f2-f1"));
   if (!factors) return factors.error();
-  const Result<double> threshold = own_number(options, "threshold", 0.1, -100, 100);
+  const Result<double> threshold = number_option(options.recipe, "threshold", 0.1, -100, 100);
   if (!threshold) return threshold.error();
   const std::string keep = own("keep", "above");
   if (keep != "above" && keep != "below") return usage("keep=" + keep + " is not above or below");

@@ -56,7 +56,7 @@ TEST_CASE("a grid that cannot be is refused for the right reason") {
 }
 
 TEST_CASE("scale and place do not change the tags") {
-  const TileMap tile = *make_tile(*parse_tile_spec("voronoi:cells=8,resolution=16"));
+  const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=16"));
   const TriangleMesh sphere = make_sphere({0, 0, 0}, 1, 20);
   const Result<CellObject> plain = author_cell_object(sphere, tile, {.grid = {.tiles = 8}});
   REQUIRE(plain.ok());
@@ -71,7 +71,7 @@ TEST_CASE("scale and place do not change the tags") {
 
 TEST_CASE("the inside volume approaches the mesh's from below") {
   const TriangleMesh torus = make_torus({0, 0, 0}, 3, 1, 60, 30);
-  const TileMap tile = *make_tile(*parse_tile_spec("voronoi:cells=8,resolution=16"));
+  const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=16"));
   double before = 0;
   for (const std::uint32_t tiles : {8u, 16u, 32u}) {
     AuthorReport report;
@@ -84,7 +84,7 @@ TEST_CASE("the inside volume approaches the mesh's from below") {
 }
 
 TEST_CASE("a mesh that bounds nothing is refused with its diagnosis") {
-  const TileMap tile = *make_tile(*parse_tile_spec("voronoi:cells=8,resolution=16"));
+  const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=16"));
   const auto error = [&](const TriangleMesh& mesh) {
     const Result<CellObject> object = author_cell_object(mesh, tile, {});
     REQUIRE_FALSE(object.ok());
@@ -102,7 +102,7 @@ TEST_CASE("a mesh that bounds nothing is refused with its diagnosis") {
 }
 
 TEST_CASE("what is odd but can be done is done with a warning") {
-  const TileMap tile = *make_tile(*parse_tile_spec("voronoi:cells=8,resolution=16"));
+  const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=16"));
   AuthorReport report;
   TriangleMesh box = make_box({0, 0, 0}, {1, 1, 1});
   flip(box);

@@ -18,7 +18,7 @@ using namespace mesocell::test;
 namespace {
 
 TileMap tile_of(const std::string& recipe) {
-  Result<TileMap> tile = make_tile(*parse_tile_spec(recipe));
+  Result<TileMap> tile = make_tile(*parse_recipe(recipe));
   REQUIRE(tile.ok());
   return std::move(*tile);
 }

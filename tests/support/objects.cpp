@@ -6,7 +6,7 @@ namespace mesocell::test {
 
 CellObject random_object(Rng& rng, const std::string& recipe, const Index3& tiles, double inside_share) {
   CellObject o;
-  o.tile = std::move(*make_tile(*parse_tile_spec(recipe)));
+  o.tile = std::move(*make_tile(*parse_recipe(recipe)));
   o.grid = {{0, 0, 0}, 1, tiles};
   o.membership.tiles = tiles;
   o.membership.cell_count = o.tile.cell_count;

@@ -6,18 +6,18 @@
 using namespace mesocell;
 
 TEST_CASE("a recipe is split into generator and options") {
-  const Result<TileSpec> spec = parse_tile_spec("voronoi:cells=8,resolution=128,seed=1");
+  const Result<Recipe> spec = parse_recipe("voronoi:cells=8,resolution=128,seed=1");
   REQUIRE(spec.ok());
-  CHECK(spec->generator == "voronoi");
+  CHECK(spec->name == "voronoi");
   CHECK(spec->options.at("cells") == "8");
   CHECK(spec->options.at("resolution") == "128");
   CHECK(spec->options.at("seed") == "1");
-  CHECK(parse_tile_spec("spheres")->options.empty());
+  CHECK(parse_recipe("spheres")->options.empty());
 }
 
 TEST_CASE("a wrong recipe is a usage error that names what is wrong") {
   const auto message = [](const std::string& text) {
-    const Result<TileSpec> spec = parse_tile_spec(text);
+    const Result<Recipe> spec = parse_recipe(text);
     const Error error = spec.ok() ? make_tile(*spec).error() : spec.error();
     CHECK(error.code == ErrorCode::kUsage);
     return error.message;

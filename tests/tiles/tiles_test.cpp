@@ -123,8 +123,10 @@ TEST_CASE("a Voronoi tile gives each voxel to the nearest image of its seed, in 
     for (const Index3 resolution : {Index3{4, 4, 4}, Index3{13, 13, 13}, Index3{9, 16, 12}})
       for (const std::uint32_t cells : {1u, 2u, 8u, 20u}) {
         INFO(c.name << " " << resolution[0] << " " << cells);
-        GeneratorOptions options{
-            .resolution = resolution, .cells = cells, .seed = 77 + cells, .own = {{"metric", c.name}}};
+        GeneratorOptions options{.resolution = resolution,
+                                 .cells = cells,
+                                 .seed = 77 + cells,
+                                 .recipe = {"", {{"metric", c.name}}}};
         TileReport report;
         const Result<TileMap> tile = make_voronoi_tile(options, &report);
         REQUIRE(tile.ok());
@@ -161,10 +163,11 @@ TEST_CASE("a Worley tile cuts cells where a combination of distances exceeds a t
         Case{"2*f3-f1+0.5*f4", "1.5", "above", {-1, 0, 2, 0.5}}})
     for (const std::uint32_t cells : {2u, 9u}) {
       const Index3 resolution{12, 10, 11};
-      GeneratorOptions options{.resolution = resolution,
-                               .cells = cells,
-                               .seed = 5,
-                               .own = {{"combine", c.combine}, {"threshold", c.threshold}, {"keep", c.keep}}};
+      GeneratorOptions options{
+          .resolution = resolution,
+          .cells = cells,
+          .seed = 5,
+          .recipe = {"", {{"combine", c.combine}, {"threshold", c.threshold}, {"keep", c.keep}}}};
       const Result<TileMap> tile = make_worley_tile(options, nullptr);
       REQUIRE(tile.ok());
       const std::vector<Seed> seeds = random_seeds(options, SeedMetric::kEuclidean);
@@ -180,7 +183,8 @@ TEST_CASE("a Worley tile cuts cells where a combination of distances exceeds a t
 
 TEST_CASE("bricks lie in running bond, each of the same size, with mortar between") {
   const Result<TileMap> tile = make_bricks_tile(
-      {.resolution = {32, 16, 32}, .cells = 8, .own = {{"mortar", "0.25"}, {"courses", "4"}}}, nullptr);
+      {.resolution = {32, 16, 32}, .cells = 8, .recipe = {"", {{"mortar", "0.25"}, {"courses", "4"}}}},
+      nullptr);
   REQUIRE(tile.ok());
   CHECK(tile->cell_count == 8);
   // A course is 8 voxels high, a quarter of them mortar; a brick is 16 long, 14 without its mortar.
@@ -210,7 +214,7 @@ TEST_CASE("ellipsoids are disjoint, flat and turned") {
   }
   CHECK(fewer > 1000);
   const Result<TileMap> round = make_ellipsoids_tile(
-      {.resolution = resolution, .cells = 6, .seed = 3, .own = {{"flatness", "0"}}}, nullptr);
+      {.resolution = resolution, .cells = 6, .seed = 3, .recipe = {"", {{"flatness", "0"}}}}, nullptr);
   std::uint64_t differ = 0;
   for (std::uint64_t i = 0; i < tile->voxel_count(); ++i)
     differ += (round->id(i) == 0) != (balls->id(i) == 0);
@@ -277,33 +281,33 @@ TEST_CASE("spheres are disjoint, round and leave empty space") {
 TEST_CASE("a tile does not depend on the number of threads") {
   for (const char* recipe :
        {"voronoi:cells=30,resolution=40,seed=9", "spheres:cells=30,resolution=40,seed=9"}) {
-    const Result<TileSpec> spec = parse_tile_spec(recipe);
+    const Result<Recipe> spec = parse_recipe(recipe);
     const Result<TileMap> one = make_tile(*spec, 1), three = make_tile(*spec, 3);
     REQUIRE(one.ok());
     CHECK(*one == *three);
   }
-  CHECK_FALSE(*make_tile(*parse_tile_spec("voronoi:resolution=16,seed=1")) ==
-              *make_tile(*parse_tile_spec("voronoi:resolution=16,seed=2")));
+  CHECK_FALSE(*make_tile(*parse_recipe("voronoi:resolution=16,seed=1")) ==
+              *make_tile(*parse_recipe("voronoi:resolution=16,seed=2")));
 }
 
 TEST_CASE("the greatest number of cells, and of voxels along an axis") {
   TileReport report;
-  const Result<TileMap> many = make_tile(*parse_tile_spec("voronoi:cells=65535,resolution=64"), 0, &report);
+  const Result<TileMap> many = make_tile(*parse_recipe("voronoi:cells=65535,resolution=64"), 0, &report);
   REQUIRE(many.ok());
   CHECK(many->cell_count + report.dropped_cells == 65535);
   CHECK(many->cell_count > 60000);
   CHECK(many->id_bytes == 4);
-  const Result<TileMap> balls = make_tile(*parse_tile_spec("spheres:cells=65535,resolution=128"));
+  const Result<TileMap> balls = make_tile(*parse_recipe("spheres:cells=65535,resolution=128"));
   REQUIRE(balls.ok());
   CHECK(balls->cell_count > 65000);
-  const Result<TileMap> wide = make_tile(*parse_tile_spec("voronoi:cells=3,resolution=1024x4x5"));
+  const Result<TileMap> wide = make_tile(*parse_recipe("voronoi:cells=3,resolution=1024x4x5"));
   REQUIRE(wide.ok());
   CHECK(wide->resolution == Index3{1024, 4, 5});
 }
 
 TEST_CASE("cells that get no voxel are left out and counted") {
   TileReport report;
-  const Result<TileMap> tile = make_tile(*parse_tile_spec("voronoi:cells=64,resolution=4"), 0, &report);
+  const Result<TileMap> tile = make_tile(*parse_recipe("voronoi:cells=64,resolution=4"), 0, &report);
   REQUIRE(tile.ok());
   CHECK(report.dropped_cells > 0);
   CHECK(tile->cell_count == 64 - report.dropped_cells);
@@ -314,5 +318,5 @@ TEST_CASE("making a tile can be cancelled") {
   const Progress progress{{}, &cancel};
   for (const char* recipe :
        {"voronoi:resolution=64", "spheres:resolution=64", "worley:resolution=64", "bricks:resolution=64"})
-    CHECK(make_tile(*parse_tile_spec(recipe), 2, nullptr, &progress).error().code == ErrorCode::kCancelled);
+    CHECK(make_tile(*parse_recipe(recipe), 2, nullptr, &progress).error().code == ErrorCode::kCancelled);
 }

@@ -63,7 +63,7 @@ Vec3 light_along(const Caster& caster, const Lighting& lighting, const Environme
 }  // namespace
 
 TEST_CASE("a white furnace: mirror and glass in an even environment return just that") {
-  const TileMap tile = *make_tile(*parse_tile_spec("spheres:cells=6,resolution=24"));
+  const TileMap tile = *make_tile(*parse_recipe("spheres:cells=6,resolution=24"));
   const CellObject object = *author_cell_object(make_sphere({0, 0, 0}, 1, 20), tile, {.grid = {.tiles = 5}});
   const auto caster = make_exact_caster(object);
   const Environment even(Vec3{0.25, 0.5, 2});

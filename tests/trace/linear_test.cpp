@@ -24,7 +24,7 @@ namespace {
 
 CellObject slab_of_spheres(std::uint32_t resolution) {
   const TileMap tile =
-      *make_tile(*parse_tile_spec("spheres:cells=8,seed=1,resolution=" + std::to_string(resolution)));
+      *make_tile(*parse_recipe("spheres:cells=8,seed=1,resolution=" + std::to_string(resolution)));
   Result<CellObject> object =
       author_cell_object(make_box({0, 0, 0}, {4, 4, 1}), tile, {.grid = {.tiles = 16}});
   REQUIRE(object.ok());

@@ -42,7 +42,7 @@ TEST_CASE("Chebyshev distances equal brute force, open and wrapped") {
 TEST_CASE("all voxels within reach are of the same instance, and one beyond is not") {
   for (const char* recipe : {"voronoi:cells=3,resolution=12", "spheres:cells=2,resolution=13x9x11",
                              "voronoi:cells=1,resolution=10", "voronoi:cells=9,resolution=5"}) {
-    const TileMap tile = *make_tile(*parse_tile_spec(recipe));
+    const TileMap tile = *make_tile(*parse_recipe(recipe));
     const std::vector<std::uint8_t> reach = instance_reach(tile);
     const std::array<int, 3> n{int(tile.resolution[0]), int(tile.resolution[1]), int(tile.resolution[2])};
     // A voxel anywhere in space: its cell and its instance's home tile.

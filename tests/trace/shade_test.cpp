@@ -14,7 +14,7 @@ using namespace mesocell::test;
 namespace {
 
 CellObject ball() {
-  const TileMap tile = *make_tile(*parse_tile_spec("voronoi:cells=8,resolution=16"));
+  const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=16"));
   Result<CellObject> object =
       author_cell_object(make_sphere({0, 0, 0}, 1, 40), tile, {.grid = {.tiles = 16}});
   REQUIRE(object.ok());
