@@ -42,7 +42,7 @@ std::string dump(const std::string& path) {
 
 TEST_CASE("render --json keeps its contract in every mode and method") {
   const Scene scene;
-  for (const std::string mode : {"first-hit", "depth", "cell"})
+  for (const std::string mode : {"first-hit", "depth", "cell", "normal", "color"})
     for (const std::string method : {"exact", "linear:1/64"}) {
       INFO(mode << " " << method);
       const Run run = scene.render("p.png", {"--mode", mode, "--method", method, "--json"});
@@ -109,7 +109,7 @@ TEST_CASE("camera, and what makes no sense of it") {
                                              {"--size", "16385x1"},
                                              {"--size", "48x32x1"},
                                              {"--size", "-4x4"},
-                                             {"--mode", "normal"},
+                                             {"--mode", "sepia"},
                                              {"--method", "sphere"},
                                              {"--method", "linear:0"},
                                              {"--method", "linear:x"},

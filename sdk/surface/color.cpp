@@ -1,0 +1,145 @@
+#include "sdk/surface/color.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "sdk/core/rng.h"
+#include "sdk/surface/noise.h"
+
+namespace mesocell {
+namespace {
+
+/// A smooth wave of period 1 between 0 and 1, as a polynomial: the maths library's sine may differ by machine.
+double wave(double x) {
+  const double f = x - std::floor(x), t = f < 0.5 ? 2 * f : 2 - 2 * f;
+  return t * t * (3 - 2 * t);
+}
+
+using Color = std::array<double, 3>;
+Color blend(const Color& a, const Color& b, double t) {
+  t = std::clamp(t, 0.0, 1.0);
+  return {a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t};
+}
+Rgb8 to_rgb8(const Color& c) {
+  Rgb8 rgb{};
+  for (std::size_t k = 0; k < 3; ++k) rgb[k] = std::uint8_t(std::clamp(c[k], 0.0, 1.0) * 255 + 0.5);
+  return rgb;
+}
+
+/// Pale stone with dark veins, which are bent by noise.
+Color marble(Vec3 p, std::uint64_t seed) {
+  const double bend = tileable_turbulence(p, 3, 4, seed);
+  const double vein = wave(p.x + p.y + 1.8 * bend);
+  return blend({0.93, 0.91, 0.88}, {0.33, 0.32, 0.38}, (1 - vein) * (1 - vein) * (0.65 + 0.5 * bend));
+}
+
+/// Rings around two axes a period, with fibres along z.
+Color wood(Vec3 p, std::uint64_t seed) {
+  const double bend = 0.35 * tileable_turbulence({p.x, p.y, p.z}, 2, 2, seed);
+  const double ring = wave(4 * (wave(p.x) + wave(p.y)) + 2 * bend);
+  const double fibre = 0.12 * tileable_noise({p.x, p.y, p.z}, 24, seed + 9);
+  return blend({0.80, 0.58, 0.34}, {0.44, 0.25, 0.12}, ring * 0.85 + fibre);
+}
+
+/// Grains of three colors.
+Color stone(Vec3 p, std::uint64_t seed) {
+  const double large = tileable_turbulence(p, 4, 3, seed), small = tileable_noise(p, 20, seed + 7);
+  const Color base = blend({0.62, 0.58, 0.55}, {0.46, 0.43, 0.44}, 0.5 + 0.9 * large);
+  return small > 0.22 ? blend(base, {0.82, 0.79, 0.76}, (small - 0.22) * 6) : blend(base, {0.20, 0.19, 0.21}, (-small - 0.25) * 6);
+}
+
+struct Solid {
+  std::string_view name, help;
+  Color (*at)(Vec3, std::uint64_t);
+};
+constexpr Solid kSolids[] = {
+    {"marble", "pale stone with veins", marble},
+    {"wood", "rings and fibres", wood},
+    {"stone", "grains of three colors", stone},
+};
+
+/// A bright color of any hue.
+Rgb8 random_color(Rng& rng) {
+  const double hue = 6 * rng.uniform(), value = rng.uniform(0.65, 0.95), low = rng.uniform(0.25, 0.55);
+  Color c{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double h = std::fmod(hue + 2 * double(k), 6.0);
+    c[k] = value * (low + (1 - low) * std::clamp(std::abs(h - 3) - 1, 0.0, 1.0));
+  }
+  return to_rgb8(c);
+}
+
+}  // namespace
+
+Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count) {
+  const auto seed = whole_option(recipe, "seed", 1, 0, ~std::uint64_t{0});
+  if (!seed) return seed.error();
+  Colors colors;
+  if (recipe.name == "cells") {
+    constexpr std::string_view names[] = {"seed"};
+    if (const Status status = check_options(recipe, "color", names); !status) return status.error();
+    Rng rng(*seed);
+    for (std::uint32_t c = 0; c < cell_count; ++c) colors.cells.push_back(random_color(rng));
+    return colors;
+  }
+  std::string names;
+  for (const Solid& solid : kSolids) {
+    names += std::string(solid.name) + ", ";
+    if (solid.name != recipe.name) continue;
+    constexpr std::string_view options[] = {"resolution", "seed"};
+    if (const Status status = check_options(recipe, "color", options); !status) return status.error();
+    const auto resolution = whole_option(recipe, "resolution", 64, 1, 256);
+    if (!resolution) return resolution.error();
+    const std::uint32_t n = std::uint32_t(*resolution);
+    ColorMap map;
+    map.resolution = {n, n, n};
+    map.voxels.reserve(std::size_t{n} * n * n);
+    for (std::uint32_t z = 0; z < n; ++z)
+      for (std::uint32_t y = 0; y < n; ++y)
+        for (std::uint32_t x = 0; x < n; ++x)
+          map.voxels.push_back(to_rgb8(solid.at({(x + 0.5) / n, (y + 0.5) / n, (z + 0.5) / n}, *seed)));
+    colors.map = std::move(map);
+    return colors;
+  }
+  return Error{ErrorCode::kUsage, "unknown color '" + recipe.name + "'; there are: " + names + "cells"};
+}
+
+std::string color_recipes_help() {
+  std::string text;
+  for (const Solid& solid : kSolids)
+    text += std::string(solid.name) + ":resolution=64,seed=1   " + std::string(solid.help) + "\n";
+  return text + "cells:seed=1   a random color for each cell\nresolution: color voxels per axis of the tile, 1…256\n";
+}
+
+WrapCheck check_wrap(const ColorMap& map) {
+  const Index3& n = map.resolution;
+  const std::size_t stride[3] = {1, n[0], std::size_t{n[0]} * n[1]};
+  WrapCheck check;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (n[a] < 4) continue;
+    double value[2] = {}, gradient[2] = {}, count[2] = {};
+    for (std::size_t i = 0; i < map.voxels.size(); ++i) {
+      const std::size_t at = i / stride[a] % n[a];
+      const auto next = [&](std::size_t by) { return i + ((at + by) % n[a]) * stride[a] - at * stride[a]; };
+      const int border = at + 1 == n[a];  // the step from the last voxel to the first
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double p = map.voxels[i][c], q = map.voxels[next(1)][c];
+        value[border] += std::abs(q - p);
+        // Of the two second differences that the step takes part in, the one that begins with it.
+        gradient[border] += std::abs(double(map.voxels[next(2)][c]) - 2 * q + p);
+      }
+      count[border] += 3;
+    }
+    const auto ratio = [&](const double* sum) {
+      const double within = sum[0] / count[0], across = sum[1] / count[1];
+      return within > 0 ? across / within : across > 0 ? 1e9 : 1;
+    };
+    check.value_ratio = std::max(check.value_ratio, ratio(value));
+    check.gradient_ratio = std::max(check.gradient_ratio, ratio(gradient));
+  }
+  return check;
+}
+
+}  // namespace mesocell
