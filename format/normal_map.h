@@ -16,7 +16,7 @@ namespace mesocell {
 [[nodiscard]] std::vector<std::uint8_t> boundary_voxels(const TileMap& tile);
 
 /// The greatest angle between a unit vector and decode_normal(encode_normal()) of it, degrees. [spec 4.8]
-inline constexpr double kNormalCodeErrorDegrees = 0.66;
+inline constexpr double kNormalCodeErrorDegrees = 0.64;
 
 /// The octahedral code of a unit vector. Only integers decide between codes, so all machines agree. A vector
 /// of another length is taken for its direction as long as its components are in −1…1; one that is not finite

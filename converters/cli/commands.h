@@ -20,6 +20,9 @@ struct ConvertCommand {
   std::optional<double> tile_size;
   std::string box;
   std::string tile = "voronoi:cells=8,resolution=64,seed=1";
+  std::string rule = "centre";
+  std::optional<std::string> color;
+  bool normals = false;
   bool no_clobber = false;
 };
 [[nodiscard]] int run_convert(const ConvertCommand& command);
@@ -42,9 +45,19 @@ struct RenderCommand {
   std::string mode = "first-hit", method = "exact", size = "1024x768";
   std::string eye, look, up;
   std::optional<double> fov;
+  std::optional<std::uint32_t> bounces, events, ao, samples;
+  std::optional<double> reflectivity, ior;
+  std::string light, clip, env;
   bool no_clobber = false;
 };
 [[nodiscard]] int run_render(const RenderCommand& command);
+
+struct CompareCommand {
+  CommonOptions common;
+  std::string a, b;
+  std::optional<double> tolerance;
+};
+[[nodiscard]] int run_compare(const CompareCommand& command);
 
 /// Whether two paths name the same file, also by different names or through links.
 [[nodiscard]] bool same_file(const std::string& a, const std::string& b);

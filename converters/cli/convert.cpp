@@ -16,6 +16,8 @@
 #include "format/cell_object_io.h"
 #include "format/file.h"
 #include "sdk/author/cell_object.h"
+#include "sdk/surface/color.h"
+#include "sdk/surface/normals.h"
 #include "sdk/tiles/tile_spec.h"
 
 namespace mesocell {
@@ -49,7 +51,8 @@ std::uint64_t peak_bytes() {
 
 /// What the words of the command line mean.
 struct Plan {
-  Recipe spec;
+  Recipe tile;
+  std::optional<Recipe> color;
   AuthorOptions author;
 };
 
@@ -73,7 +76,15 @@ std::optional<Failure> make_plan(const ConvertCommand& command, Plan& plan) {
     return usage(command.output, "input and output are the same file; name another output");
   Result<Recipe> spec = parse_recipe(command.tile);
   if (!spec) return Failure{spec.error(), "--tile"};
-  plan.spec = std::move(*spec);
+  plan.tile = std::move(*spec);
+  if (command.color) {
+    Result<Recipe> color = parse_recipe(*command.color);
+    if (!color) return Failure{color.error(), "--color"};
+    plan.color = std::move(*color);
+  }
+  const std::optional<MembershipRule> rule = find_rule(command.rule);
+  if (!rule) return usage("--rule", "unknown rule '" + command.rule + "'; there are: " + rule_names());
+  plan.author.rule = *rule;
   plan.author.threads = command.common.threads;
   if (command.tiles <= 0) return usage("--tiles", "there must be at least one tile; give a number from 1");
   if (command.tile_size && !(*command.tile_size > 0 && std::isfinite(*command.tile_size)))
@@ -104,6 +115,20 @@ struct Outcome {
   Seconds seconds;
 };
 
+/// Everything on the surface of the object; the metadata says what it was made of.
+std::optional<Failure> add_surface(const ConvertCommand& command, const Plan& plan, Colors colors,
+                                   const Progress& progress, CellObject& object) {
+  object.metadata.clear();
+  if (plan.color) object.metadata.emplace_back("color", to_text(*plan.color));
+  object.metadata.emplace_back("tile", to_text(plan.tile));
+  object.color = std::move(colors.map);
+  object.cell_colors = std::move(colors.cells);
+  if (!command.normals) return std::nullopt;
+  object.normals = make_normal_map(object.tile, plan.author.threads, &progress);
+  if (!object.normals) return Failure{Error{ErrorCode::kCancelled, "interrupted"}, {}};
+  return std::nullopt;
+}
+
 /// Reads, makes the tile, authors, writes, and reads back what was written.
 std::optional<Failure> convert(const ConvertCommand& command, const Progress& progress, Outcome& outcome) {
   Stopwatch watch;
@@ -117,15 +142,26 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
   outcome.seconds.read = watch.lap();
 
   TileReport tile_report;
-  Result<TileMap> tile = make_tile(plan.spec, plan.author.threads, &tile_report, &progress);
+  Result<TileMap> tile = make_tile(plan.tile, plan.author.threads, &tile_report, &progress);
   if (!tile) return Failure{tile.error(), "--tile"};
   outcome.seconds.tile = watch.lap();
+
+  // Before the longest part of the work, as the recipe may be wrong.
+  Colors colors;
+  if (plan.color) {
+    Result<Colors> made = make_colors(*plan.color, tile->cell_count);
+    if (!made) return Failure{made.error(), "--color"};
+    colors = std::move(*made);
+  }
+  const double color_seconds = watch.lap();
 
   Result<CellObject> object =
       author_cell_object(*mesh, std::move(*tile), plan.author, &outcome.report, &progress);
   if (!object) return Failure{object.error(), command.input};
   outcome.seconds.voxelize = outcome.report.voxelize_seconds;
-  outcome.seconds.surface = outcome.report.surface_seconds;
+  watch.lap();
+  if (auto failure = add_surface(command, plan, std::move(colors), progress, *object)) return failure;
+  outcome.seconds.surface = outcome.report.surface_seconds + color_seconds + watch.lap();
   if (read_report.dropped_faces > 0)
     outcome.report.warnings.push_back(
         {"faces-dropped", std::to_string(read_report.dropped_faces) +
@@ -136,7 +172,6 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
          std::to_string(tile_report.dropped_cells) +
              " cells of the tile got no voxel and were left out; use fewer cells or a higher "
              "resolution"});
-  object->metadata = {{"tile", to_text(plan.spec)}};
 
   watch.lap();
   const Result<std::vector<std::byte>> bytes = encode_cell_object(*object);

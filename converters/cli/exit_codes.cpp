@@ -36,7 +36,7 @@ const char* error_name(ErrorCode code) { return row(code).name; }
 const char* exit_codes_help() {
   return "Exit codes:\n"
          "  0    done\n"
-         "  1    the check failed (validate)\n"
+         "  1    the check failed (validate, compare)\n"
          "  2    wrong usage\n"
          "  3    the input is missing, unreadable or invalid\n"
          "  4    the output could not be written\n"

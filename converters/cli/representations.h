@@ -14,6 +14,11 @@
 
 namespace mesocell {
 
+/// The rules of membership by the names that the command knows them by. [spec 4.3]
+[[nodiscard]] std::optional<MembershipRule> find_rule(std::string_view name);
+[[nodiscard]] std::string rule_name(MembershipRule rule);
+[[nodiscard]] std::string rule_names();
+
 /// An asset in memory, of whatever representation.
 class Asset {
  public:

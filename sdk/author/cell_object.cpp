@@ -148,10 +148,11 @@ Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile, co
   const double voxel = grid->voxel_edge * grid->voxel_edge * grid->voxel_edge;
   const double volume = signed_volume(mesh);
   out.mesh_volume = std::abs(volume);
-  out.inside_volume = inside_voxels(object) * voxel;
+  const double inside = inside_voxels(object);
+  out.inside_volume = inside * voxel;
   if (volume < 0)
     out.warnings.push_back({"mesh-inside-out", "the mesh is oriented inward; it was taken as a solid"});
-  if (out.inside_volume == 0)
+  if (inside == 0)
     out.warnings.push_back({"no-inside-cells",
                             "no cell fits inside the mesh, so there is nothing to see; use "
                             "more tiles, or a tile of more cells"});

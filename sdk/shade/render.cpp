@@ -71,6 +71,10 @@ Result<RenderMode> parse_render_mode(std::string_view text) {
 
 namespace {
 
+bool needs_layers(const RenderOptions& options) {
+  return options.layers || options.mode == RenderMode::kNormal || options.mode == RenderMode::kColor;
+}
+
 /// Renders pixels; what all of them share.
 class Renderer {
  public:
@@ -91,7 +95,7 @@ class Renderer {
     if (found) {
       result_.depth[i] = float(hit.t);
       result_.cell[i] = float(hit.label);
-      if (options_.layers || options_.mode == RenderMode::kNormal || options_.mode == RenderMode::kColor) {
+      if (needs_layers(options_)) {
         store(result_.normal, i, caster_.shading_normal(hit));
         store(result_.color, i, caster_.color(hit, ray.origin + ray.direction * hit.t));
       }
@@ -168,8 +172,10 @@ Result<RenderResult> render(const Caster& caster, const RenderOptions& options, 
   result.height = options.height;
   const std::size_t pixels = std::size_t{options.width} * options.height;
   result.rgb.resize(3 * pixels);
-  result.normal.resize(3 * pixels);
-  result.color.resize(3 * pixels);
+  if (needs_layers(options)) {
+    result.normal.resize(3 * pixels);
+    result.color.resize(3 * pixels);
+  }
   result.cell.resize(pixels);
   result.depth.assign(pixels, kMissDepth);
 

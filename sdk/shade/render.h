@@ -35,8 +35,8 @@ struct RenderResult {
   std::uint32_t width = 0, height = 0;
   std::vector<float> rgb;     ///< linear light, 3 a pixel
   std::vector<float> depth;   ///< metres along the unit ray; +inf is a miss
-  std::vector<float> normal;  ///< shading normals, 3 a pixel; 0 where missed or not asked for
-  std::vector<float> color;   ///< of the object, linear light, 3 a pixel; 0 where missed or not asked for
+  std::vector<float> normal;  ///< shading normals, 3 a pixel; 0 is a miss; empty if not asked for
+  std::vector<float> color;   ///< of the object, linear light, 3 a pixel; 0 is a miss; empty if not asked for
   std::vector<float> cell;    ///< label; 0 is a miss
   std::uint64_t rays = 0, hits = 0;  ///< primary rays through the pixels' centres
   double seconds = 0;                ///< tracing and shading alone

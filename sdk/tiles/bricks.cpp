@@ -14,11 +14,11 @@ namespace {
 std::uint32_t choose_courses(const GeneratorOptions& options) {
   std::uint32_t best = 0;
   double least = 0;
-  for (std::uint32_t courses = 2; courses <= options.cells && courses <= options.resolution[2];
+  for (std::uint32_t courses = 2; courses <= options.cells && courses <= options.resolution[1];
        courses += 2) {
     if (options.cells % courses != 0) continue;
     const double brick = double(options.resolution[0]) / (options.cells / courses);
-    const double ratio = brick / (double(options.resolution[2]) / courses) / 2;
+    const double ratio = brick / (double(options.resolution[1]) / courses) / 2;
     const double off = std::max(ratio, 1 / ratio);
     if (best == 0 || off < least) {
       best = courses;
@@ -44,20 +44,20 @@ Result<TileMap> make_bricks_tile(const GeneratorOptions& options, TileReport* re
                                         std::to_string(courses) + " courses"};
   const std::uint32_t row = options.cells / courses;  // bricks in a course
   const Index3& n = options.resolution;
-  const double length = double(n[0]) / row, height = double(n[2]) / courses, gap = *mortar * height;
+  const double length = double(n[0]) / row, height = double(n[1]) / courses, gap = *mortar * height;
 
   TileBuilder builder(n, options.cells);
   std::atomic<bool> any{false};
   const bool done = parallel_for(
       n[2], options.threads,
       [&](std::size_t z, unsigned) {
-        const std::uint32_t course = std::uint32_t((double(z) + 0.5) / height);
-        if (double(z) + 0.5 - course * height < gap) return;
-        // Every second course is moved by half a brick, so its last brick reaches into the next tile. The
-        // mortar lies before each brick on every axis.
-        const double offset = course % 2 == 0 ? 0 : length / 2;
+        // The mortar lies before each brick on every axis.
+        if (double(z) + 0.5 < gap) return;
         for (std::uint32_t y = 0; y < n[1]; ++y) {
-          if (y + 0.5 < gap) continue;
+          const std::uint32_t course = std::uint32_t((y + 0.5) / height);
+          if (y + 0.5 - course * height < gap) continue;
+          // Every second course is moved by half a brick, so its last brick reaches into the next tile.
+          const double offset = course % 2 == 0 ? 0 : length / 2;
           for (std::uint32_t x = 0; x < n[0]; ++x) {
             const double along = x + 0.5 - offset;
             const double brick = std::floor(along / length);

@@ -48,7 +48,7 @@ inline constexpr std::int32_t kTileUnit = 1024;
 /// f2-f1 or 2*f1-f3; `threshold`, in mean distances between seeds; `keep`, `above` or `below` the threshold.
 [[nodiscard]] Result<TileMap> make_worley_tile(const GeneratorOptions& options, TileReport* report);
 
-/// Bricks in running bond along x, courses stacked along z, each one brick deep along y, with mortar as empty
+/// Bricks in running bond along x, courses stacked along y, each one brick deep along z, with mortar as empty
 /// space. Own options: `mortar`, its thickness as a share of a course's height; `courses`, an even number (by
 /// default what makes bricks about twice as long as high). `cells` must be a multiple of the courses.
 [[nodiscard]] Result<TileMap> make_bricks_tile(const GeneratorOptions& options, TileReport* report);

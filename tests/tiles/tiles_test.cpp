@@ -183,14 +183,14 @@ TEST_CASE("a Worley tile cuts cells where a combination of distances exceeds a t
 
 TEST_CASE("bricks lie in running bond, each of the same size, with mortar between") {
   const Result<TileMap> tile = make_bricks_tile(
-      {.resolution = {32, 16, 32}, .cells = 8, .recipe = {"", {{"mortar", "0.25"}, {"courses", "4"}}}},
+      {.resolution = {32, 32, 16}, .cells = 8, .recipe = {"", {{"mortar", "0.25"}, {"courses", "4"}}}},
       nullptr);
   REQUIRE(tile.ok());
   CHECK(tile->cell_count == 8);
   // A course is 8 voxels high, a quarter of them mortar; a brick is 16 long, 14 without its mortar.
   check_homes(*tile, [](const Place& v) {
-    const std::int64_t course = v[2] / 8;
-    if (v[2] % 8 < 2 || v[1] < 2) return Instance{};
+    const std::int64_t course = v[1] / 8;
+    if (v[1] % 8 < 2 || v[2] < 2) return Instance{};
     const std::int64_t along = v[0] - (course % 2) * 8, brick = along < 0 ? -1 : along / 16;
     if (along - brick * 16 < 2) return Instance{};
     return Instance{std::uint32_t(course * 2 + (brick < 0 ? 1 : brick) + 1), {brick < 0 ? -1 : 0, 0, 0}};
