@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "sdk/core/vec.h"
@@ -26,5 +27,9 @@ class Environment {
   std::vector<float> rgb_;
   std::uint32_t width_ = 0, height_ = 0;
 };
+
+/// A sky with a sun over a checkered ground, so that mirrors and glass have something to show without a
+/// picture.
+[[nodiscard]] Environment make_sky();
 
 }  // namespace mesocell

@@ -3,37 +3,10 @@
 #include <vector>
 
 #include "format/normal_map.h"
+#include "sdk/core/gradient_kernel.h"
 #include "sdk/core/parallel.h"
 
 namespace mesocell {
-namespace {
-
-constexpr std::int32_t kRadius = 4;
-
-struct Neighbour {
-  std::array<std::int32_t, 3> offset;
-  Vec3 pull;  ///< direction times weight
-};
-
-/// Voxels up to the radius; the weight is (1 - (d / (r + 1/2))²)².
-const std::vector<Neighbour>& ball() {
-  static const std::vector<Neighbour> all = [] {
-    std::vector<Neighbour> list;
-    for (std::int32_t z = -kRadius; z <= kRadius; ++z)
-      for (std::int32_t y = -kRadius; y <= kRadius; ++y)
-        for (std::int32_t x = -kRadius; x <= kRadius; ++x) {
-          const std::int32_t d2 = x * x + y * y + z * z;
-          if (d2 == 0 || d2 > kRadius * kRadius) continue;
-          const double u = 1 - d2 / ((kRadius + 0.5) * (kRadius + 0.5));
-          list.push_back({{x, y, z}, Vec3{double(x), double(y), double(z)} * (u * u)});
-        }
-    return list;
-  }();
-  return all;
-}
-
-}  // namespace
-
 CellNormals::CellNormals(const TileMap& tile) : tile_(tile) {}
 
 bool CellNormals::same_instance(std::uint32_t id, const std::array<std::uint32_t, 3>& voxel,
@@ -70,7 +43,7 @@ Vec3 CellNormals::neighbour_normal(const std::array<std::uint32_t, 3>& voxel) co
 Vec3 CellNormals::gradient_normal(const std::array<std::uint32_t, 3>& voxel) const {
   const std::uint32_t id = tile_.id(tile_.voxel_index(voxel[0], voxel[1], voxel[2]));
   Vec3 sum;
-  for (const Neighbour& n : ball())
+  for (const KernelVoxel& n : gradient_kernel())
     if (!same_instance(id, voxel, n.offset)) sum = sum + n.pull;
   if (length(sum) > 1e-3) return normalize(sum);
   const Vec3 near = neighbour_normal(voxel);

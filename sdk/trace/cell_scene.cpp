@@ -3,37 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/core/gradient_kernel.h"
 #include "sdk/trace/reach.h"
 
 namespace mesocell {
 namespace {
-
-/// Voxels on each side that a shading normal looks at.
-constexpr std::int64_t kNormalRadius = 4;
-
-/// The neighbours that a shading normal sums up, and their directions times a weight that falls smoothly to 0
-/// just beyond the radius: (1 - (d / (r + 1/2))²)².
-struct Neighbour {
-  Voxel offset;
-  Vec3 pull;
-};
-
-const std::vector<Neighbour>& neighbours() {
-  static const std::vector<Neighbour> all = [] {
-    std::vector<Neighbour> list;
-    constexpr std::int64_t r = kNormalRadius;
-    for (std::int64_t z = -r; z <= r; ++z)
-      for (std::int64_t y = -r; y <= r; ++y)
-        for (std::int64_t x = -r; x <= r; ++x) {
-          const std::int64_t d2 = x * x + y * y + z * z;
-          if (d2 == 0 || d2 > r * r) continue;
-          const double u = 1 - double(d2) / ((r + 0.5) * (r + 0.5));
-          list.push_back({{x, y, z}, Vec3{double(x), double(y), double(z)} * (u * u)});
-        }
-    return list;
-  }();
-  return all;
-}
 
 /// The channel of an sRGB color in linear light [IEC 61966-2-1].
 double to_linear(std::uint8_t channel) {
@@ -156,7 +130,7 @@ void CellScene::set_hit(const WalkRay& ray, const WalkPlace& place, Hit& hit) co
 
 Vec3 CellScene::shading_normal(const Hit& hit) const {
   Vec3 sum;
-  for (const Neighbour& n : neighbours()) {
+  for (const KernelVoxel& n : gradient_kernel()) {
     const Voxel v{hit.element[0] + n.offset[0], hit.element[1] + n.offset[1], hit.element[2] + n.offset[2]};
     if (!in_grid(v) || !inside(v)) sum = sum + n.pull;
   }

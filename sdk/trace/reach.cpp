@@ -4,6 +4,8 @@
 #include <array>
 #include <map>
 
+#include "sdk/core/parallel.h"
+
 namespace mesocell {
 namespace {
 
@@ -122,22 +124,26 @@ void chebyshev_transform(std::vector<std::uint8_t>& distance, const Index3& size
 
 std::vector<std::uint8_t> instance_reach(const TileMap& tile) {
   const Continuation continuation(tile);
-  const std::array<std::uint64_t, 3> stride{1, tile.resolution[0],
-                                            std::uint64_t{tile.resolution[0]} * tile.resolution[1]};
-  const std::uint64_t count = tile.voxel_count();
+  const std::array<std::uint64_t, 3> n{tile.resolution[0], tile.resolution[1], tile.resolution[2]};
+  const std::array<std::uint64_t, 3> stride{1, n[0], n[0] * n[1]};
   // A 3×3×3 block is of one instance if its rows are, its slices of rows are, and its stack of slices is.
-  std::vector<std::uint8_t> uniform(count, 1), next(count);
+  std::vector<std::uint8_t> uniform(tile.voxel_count(), 1), next(uniform.size());
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::uint64_t n = tile.resolution[a];
-    for (std::uint64_t i = 0; i < count; ++i) {
-      const std::uint64_t x = i / stride[a] % n;
-      const std::uint64_t up = x + 1 < n ? i + stride[a] : i - (n - 1) * stride[a];
-      const std::uint64_t down = x > 0 ? i - stride[a] : i + (n - 1) * stride[a];
-      const std::uint32_t id = tile.id(i), id_up = tile.id(up), id_down = tile.id(down);
-      const bool same_up = id == (x + 1 < n ? id_up : continuation.seen_as(a, 1, id_up));
-      const bool same_down = id == (x > 0 ? id_down : continuation.seen_as(a, 0, id_down));
-      next[i] = same_up && same_down && uniform[i] && uniform[up] && uniform[down];
-    }
+    parallel_for(n[2], 0, [&](std::size_t z, unsigned) {
+      std::array<std::uint64_t, 3> at{0, 0, z};
+      std::uint64_t i = z * stride[2];
+      for (at[1] = 0; at[1] < n[1]; ++at[1])
+        for (at[0] = 0; at[0] < n[0]; ++at[0], ++i) {
+          const bool first = at[a] == 0, last = at[a] + 1 == n[a];
+          const std::uint64_t wrap = (n[a] - 1) * stride[a];
+          const std::uint64_t up = last ? i - wrap : i + stride[a], down = first ? i + wrap : i - stride[a];
+          next[i] = 0;
+          if (!(uniform[i] && uniform[up] && uniform[down])) continue;
+          const std::uint32_t id = tile.id(i), id_up = tile.id(up), id_down = tile.id(down);
+          next[i] = id == (last ? continuation.seen_as(a, 1, id_up) : id_up) &&
+                    id == (first ? continuation.seen_as(a, 0, id_down) : id_down);
+        }
+    });
     uniform.swap(next);
   }
   // Distance 0 where the block around a voxel is not uniform: such a voxel reaches only itself.

@@ -280,3 +280,13 @@ TEST_CASE("lighting out of range is a usage error") {
     CHECK(render(*caster, {.width = 8, .height = 8, .lighting = bad}).error().code == ErrorCode::kUsage);
   CHECK(render(*caster, {.width = 8, .height = 8, .samples = 0}).error().code == ErrorCode::kUsage);
 }
+
+TEST_CASE("an environment is seen where its directions say, without a seam") {
+  const Environment picture = directions();
+  for (const Vec3 d : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, -1}, Vec3{-1, 0, 0}, Vec3{0.3, -0.5, 0.8},
+                       Vec3{-1e-4, 0, 1}, Vec3{1e-4, 0, 1}})
+    CHECK(length(picture.radiance(d * 3) - normalize(d)) < 5e-3);
+  const Environment sky = make_sky();
+  CHECK(sky.radiance({0, 1, 0}).z > sky.radiance({0, -1, 0}).z);
+  CHECK(sky.radiance({-0.5, 0.6, 0.62}).x > 5);
+}
