@@ -22,6 +22,10 @@ inline constexpr std::uint32_t kCellObjectRepresentation = fourcc("CELL");
 inline constexpr std::uint32_t kGridChunk = fourcc("GRID");
 inline constexpr std::uint32_t kTileChunk = fourcc("TILE");
 inline constexpr std::uint32_t kMembershipChunk = fourcc("MEMB");
+inline constexpr std::uint32_t kColorChunk = fourcc("COLR");
+inline constexpr std::uint32_t kCellColorChunk = fourcc("CCOL");
+inline constexpr std::uint32_t kInstanceColorChunk = fourcc("ICOL");
+inline constexpr std::uint32_t kNormalChunk = fourcc("NORM");
 inline constexpr std::uint32_t kTextChunk = fourcc("TEXT");
 
 inline constexpr std::uint64_t kMaxTiles = 0x7fffffff;
@@ -30,6 +34,7 @@ inline constexpr std::uint32_t kMinResolution = 4;
 inline constexpr std::uint32_t kMaxResolution = 1024;
 inline constexpr std::uint32_t kMaxCells = 65535;
 inline constexpr std::uint32_t kMaxRun = (1u << 30) - 1;
+inline constexpr std::uint32_t kMaxColorResolution = 1024;
 inline constexpr std::uint32_t kMaxKeyBytes = 256;
 
 using Metadata = std::vector<std::pair<std::string, std::string>>;
@@ -60,5 +65,21 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
                                                   IssueSink& sink);
 /// Whether the bytes are UTF-8 without surrogates and overlong forms. [RFC 3629]
 [[nodiscard]] bool is_utf8(std::string_view text);
+
+/// COLR [spec 4.5]
+[[nodiscard]] std::vector<std::byte> encode_color(const ColorMap& color);
+[[nodiscard]] std::optional<ColorMap> decode_color(const ChunkPayload& chunk, MemoryBudget& budget,
+                                                   IssueSink& sink);
+
+/// CCOL and ICOL: `count` colors and nothing else. [spec 4.6, 4.7]
+[[nodiscard]] std::vector<std::byte> encode_colors(std::span<const Rgb8> colors);
+[[nodiscard]] std::optional<std::vector<Rgb8>> decode_colors(const ChunkPayload& chunk, std::uint64_t count,
+                                                             MemoryBudget& budget, IssueSink& sink);
+
+/// NORM [spec 4.8]. `tile` is null where that chunk is at fault: the number of normals is then not checked,
+/// and the result is empty.
+[[nodiscard]] std::vector<std::byte> encode_normals(const NormalMap& normals);
+[[nodiscard]] std::optional<NormalMap> decode_normals(const ChunkPayload& chunk, const TileMap* tile,
+                                                      MemoryBudget& budget, IssueSink& sink);
 
 }  // namespace mesocell

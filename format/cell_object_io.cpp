@@ -5,6 +5,7 @@
 #include <string>
 
 #include "format/cell_object_chunks.h"
+#include "format/normal_map.h"
 #include "format/representation.h"
 
 namespace mesocell {
@@ -57,12 +58,22 @@ Result<std::vector<std::byte>> encode_cell_object(const CellObject& object) try 
   assert(object.membership.tiles == object.grid.tiles);
   assert(object.membership.cell_count == object.tile.cell_count);
   assert(object.membership.entries.size() == object.grid.tile_count());
+  assert(object.cell_colors.empty() || object.cell_colors.size() == object.tile.cell_count);
+  assert(object.instance_colors.empty() ||
+         object.instance_colors.size() == count_instances(object.membership).inside);
+  assert(!object.normals || object.normals->normals.size() == count_boundary_voxels(object.tile));
 
   using Importance = ContainerWriter::Importance;
   ContainerWriter writer;
   writer.add_chunk(kGridChunk, Importance::kCritical, encode_grid(object.grid));
   writer.add_chunk(kTileChunk, Importance::kCritical, encode_tile(object.tile));
   writer.add_chunk(kMembershipChunk, Importance::kCritical, encode_membership(object.membership));
+  if (object.color) writer.add_chunk(kColorChunk, Importance::kSkippable, encode_color(*object.color));
+  if (!object.cell_colors.empty())
+    writer.add_chunk(kCellColorChunk, Importance::kSkippable, encode_colors(object.cell_colors));
+  if (!object.instance_colors.empty())
+    writer.add_chunk(kInstanceColorChunk, Importance::kSkippable, encode_colors(object.instance_colors));
+  if (object.normals) writer.add_chunk(kNormalChunk, Importance::kSkippable, encode_normals(*object.normals));
   if (!object.metadata.empty())
     writer.add_chunk(kTextChunk, Importance::kSkippable, encode_text(object.metadata));
   auto bytes = writer.finish(kCellObjectRepresentation);
@@ -101,16 +112,32 @@ std::optional<CellObject> check_cell_object(std::span<const std::byte> file, con
   });
   with_chunk(kTileChunk, [&](const ChunkPayload& chunk) { tile = decode_tile(chunk, budget, sink); });
   if (grid && tile && !check_extent(grid_place, *grid, tile->resolution, sink)) grid.reset();
+  std::optional<MembershipMap> membership;
   with_chunk(kMembershipChunk, [&](const ChunkPayload& chunk) {
-    if (auto m = decode_membership(chunk, grid ? &*grid : nullptr, tile ? &*tile : nullptr, budget, sink))
-      object.membership = std::move(*m);
+    membership = decode_membership(chunk, grid ? &*grid : nullptr, tile ? &*tile : nullptr, budget, sink);
+  });
+  with_chunk(kColorChunk,
+             [&](const ChunkPayload& chunk) { object.color = decode_color(chunk, budget, sink); });
+  with_chunk(kCellColorChunk, [&](const ChunkPayload& chunk) {
+    if (!tile) return;
+    if (auto colors = decode_colors(chunk, tile->cell_count, budget, sink))
+      object.cell_colors = std::move(*colors);
+  });
+  with_chunk(kInstanceColorChunk, [&](const ChunkPayload& chunk) {
+    if (!membership) return;
+    if (auto colors = decode_colors(chunk, count_instances(*membership).inside, budget, sink))
+      object.instance_colors = std::move(*colors);
+  });
+  with_chunk(kNormalChunk, [&](const ChunkPayload& chunk) {
+    object.normals = decode_normals(chunk, tile ? &*tile : nullptr, budget, sink);
   });
   with_chunk(kTextChunk, [&](const ChunkPayload& chunk) {
     if (auto text = decode_text(chunk, budget, sink)) object.metadata = std::move(*text);
   });
-  if (sink.errors() != errors_before || !grid || !tile) return std::nullopt;
+  if (sink.errors() != errors_before || !grid || !tile || !membership) return std::nullopt;
   object.grid = *grid;
   object.tile = std::move(*tile);
+  object.membership = std::move(*membership);
   return object;
 }
 

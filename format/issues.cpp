@@ -108,6 +108,11 @@ constexpr std::array kCatalogue = {
               "a key does not have 1…256 bytes or holds a zero byte"},
     IssueInfo{"text-utf8", kError, "4.4", Remedy::kWriter, "a key or value is not valid UTF-8"},
     IssueInfo{"text-order", kError, "4.4", Remedy::kWriter, "keys are not strictly ascending"},
+    IssueInfo{"color-resolution", kError, "4.5", Remedy::kWriter,
+              "the resolution of the color map is not in 1…1024"},
+    IssueInfo{"color-reserved", kError, "4.5", Remedy::kWriter,
+              "reserved bytes of the color map are not zero"},
+    IssueInfo{"normal-code", kError, "4.8", Remedy::kWriter, "a byte of a normal is above 252"},
     IssueInfo{"limit-exceeded", kError, "6", Remedy::kLimit,
               "reading the file would take more than the caller allows"},
 };

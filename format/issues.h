@@ -90,6 +90,9 @@ enum class IssueId : std::uint8_t {
   kTextKey,
   kTextUtf8,
   kTextOrder,
+  kColorResolution,
+  kColorReserved,
+  kNormalCode,
   kLimitExceeded,
   kCount,
 };

@@ -20,15 +20,16 @@ class BoundaryFinder {
   explicit BoundaryFinder(const TileMap& tile)
       : tile_(tile), nx_(tile.resolution[0]), ny_(tile.resolution[1]), nz_(tile.resolution[2]) {}
 
-  Bytes run() {
+  /// Counts boundary voxels, and marks them in `boundary` unless that is null.
+  std::uint64_t run(std::uint8_t* boundary) {
     const std::size_t slice = nx_ * ny_;
-    Bytes boundary(slice * nz_);
+    std::uint64_t count = 0;
     rows_.resize(slice);
     // Squares of slices z − 1, z, z + 1 and of slice 0, and whether voxels equal the one below and above.
-    Bytes first, below(slice), here(slice), above(slice), same_below(slice), same_above(slice);
+    Bytes first(slice), below(slice), above(slice), same_below(slice), same_above(slice);
     squares(nz_ - 1, below);
-    squares(0, here);
-    first = here;
+    squares(0, first);
+    Bytes here = first;
     same_as_above(nz_ - 1, same_below);
     for (std::size_t z = 0; z < nz_; ++z) {
       if (z + 1 < nz_) {
@@ -40,13 +41,15 @@ class BoundaryFinder {
       for (std::size_t i = 0; i < slice; ++i) {
         const auto inner =
             static_cast<std::uint8_t>(below[i] & here[i] & above[i] & same_below[i] & same_above[i]);
-        boundary[z * slice + i] = static_cast<std::uint8_t>((inner ^ 1) & (id(z * slice + i) != 0));
+        const auto at_boundary = static_cast<std::uint8_t>((inner ^ 1) & (id(z * slice + i) != 0));
+        if (boundary) boundary[z * slice + i] = at_boundary;
+        count += at_boundary;
       }
       std::swap(below, here);
       std::swap(here, above);
       std::swap(same_below, same_above);
     }
-    return boundary;
+    return count;
   }
 
  private:
@@ -118,11 +121,25 @@ class BoundaryFinder {
   Bytes rows_;
 };
 
+std::uint64_t find_boundary(const TileMap& tile, std::uint8_t* boundary) {
+  switch (tile.id_bytes) {
+    case 1:
+      return BoundaryFinder<1>(tile).run(boundary);
+    case 2:
+      return BoundaryFinder<2>(tile).run(boundary);
+    default:
+      return BoundaryFinder<4>(tile).run(boundary);
+  }
+}
+
 // ---- Octahedral codes
 
-constexpr int kSteps = 127;  // from the centre of the square to its edge; an odd number of codes has a centre
+/// Codes from the centre of the square to its edge. A number that 2 and 3 divide makes axes and the diagonals
+/// between two or three of them exact.
+constexpr int kSteps = kMaxNormalByte / 2;
+static_assert(kSteps % 6 == 0);
 
-/// The direction of place (u, v) of the square, −127…127 each, with integer components.
+/// The direction of place (u, v) of the square, −126…126 each, with integer components.
 std::array<int, 3> direction(int u, int v) {
   const int z = kSteps - std::abs(u) - std::abs(v);
   if (z >= 0) return {u, v, z};
@@ -133,15 +150,12 @@ std::array<int, 3> direction(int u, int v) {
 }  // namespace
 
 std::vector<std::uint8_t> boundary_voxels(const TileMap& tile) {
-  switch (tile.id_bytes) {
-    case 1:
-      return BoundaryFinder<1>(tile).run();
-    case 2:
-      return BoundaryFinder<2>(tile).run();
-    default:
-      return BoundaryFinder<4>(tile).run();
-  }
+  std::vector<std::uint8_t> boundary(tile.voxel_count());
+  (void)find_boundary(tile, boundary.data());
+  return boundary;
 }
+
+std::uint64_t count_boundary_voxels(const TileMap& tile) { return find_boundary(tile, nullptr); }
 
 std::array<std::uint8_t, 2> encode_normal(std::array<double, 3> unit) {
   // 2^16 steps a unit keep every product below within 64 bits; scaling by a power of two is exact.

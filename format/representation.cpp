@@ -10,10 +10,10 @@ namespace mesocell {
 namespace {
 
 constexpr std::array kCellObjectRules = {
-    ChunkRule{kGridChunk, true, true},
-    ChunkRule{kTileChunk, true, true},
-    ChunkRule{kMembershipChunk, true, true},
-    ChunkRule{kTextChunk, false, false},
+    ChunkRule{kGridChunk, true, true},        ChunkRule{kTileChunk, true, true},
+    ChunkRule{kMembershipChunk, true, true},  ChunkRule{kColorChunk, false, false},
+    ChunkRule{kCellColorChunk, false, false}, ChunkRule{kInstanceColorChunk, false, false},
+    ChunkRule{kNormalChunk, false, false},    ChunkRule{kTextChunk, false, false},
 };
 
 constexpr std::array kRepresentations = {

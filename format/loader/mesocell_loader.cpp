@@ -18,9 +18,10 @@ constexpr u32 code(char a, char b, char c, char d) {
   return u32(u8(a)) | u32(u8(b)) << 8 | u32(u8(c)) << 16 | u32(u8(d)) << 24;
 }
 constexpr u32 kCell = code('C', 'E', 'L', 'L');
-constexpr u32 kTypes[4] = {code('G', 'R', 'I', 'D'), code('T', 'I', 'L', 'E'), code('M', 'E', 'M', 'B'),
-                           code('T', 'E', 'X', 'T')};
-enum { kGrid, kTile, kMemb, kText, kUnknown };
+constexpr u32 kTypes[8] = {code('G', 'R', 'I', 'D'), code('T', 'I', 'L', 'E'), code('M', 'E', 'M', 'B'),
+                           code('C', 'O', 'L', 'R'), code('C', 'C', 'O', 'L'), code('I', 'C', 'O', 'L'),
+                           code('N', 'O', 'R', 'M'), code('T', 'E', 'X', 'T')};
+enum { kGrid, kTile, kMemb, kColr, kCcol, kIcol, kNorm, kText, kUnknown };
 constexpr u32 kNone = 0xffffffff;
 
 u32 get16(const u8* p) { return p[0] | u32(p[1]) << 8; }
@@ -78,7 +79,7 @@ struct Loader {
   MesocellLimits limits;
   MesocellFault* fault;
   u64 budget = 0;                // what is left of limits.max_decoded_bytes
-  Chunk chunks[5]{};             // by kTypes, then the last unknown one
+  Chunk chunks[9]{};             // by kTypes, then the last unknown one
   const Chunk* chunk = nullptr;  // the one that is read
   ZSTD_DCtx* zstd = nullptr;
   MesocellObject* object = nullptr;
@@ -103,6 +104,11 @@ struct Loader {
   MesocellStatus load_tile(const u8* bytes, u32* first);
   MesocellStatus check_homes(const u32* first) const;
   MesocellStatus load_membership(const u8* bytes, u32* entries);
+  MesocellStatus load_color(const u8* bytes);
+  MesocellStatus load_colors(const u8* bytes, u64 count, const uint8_t*& colors);
+  bool same_instance(u32 a, u32 b, int dx, int dy, int dz) const;
+  u64 count_boundary() const;
+  MesocellStatus load_normals(const u8* bytes);
   MesocellStatus load_text(const u8* bytes);
 };
 
@@ -171,7 +177,7 @@ MesocellStatus Loader::check_entry(const u8* entry, u64& expected) {
 
   // 4: the chunk types of a cell object
   if (known == kUnknown && flags == 1) return invalid("unknown critical chunk", at);
-  if (known != kUnknown && (flags == 1) != (known != kText))
+  if (known != kUnknown && (flags == 1) != (known <= kMemb))
     return invalid("a chunk has the wrong critical flag", at + 4);
   return kMesocellOk;
 }
@@ -422,10 +428,94 @@ MesocellStatus Loader::load_text(const u8* bytes) {
   return at == chunk->decoded ? kMesocellOk : bad("TEXT goes on after its last entry");
 }
 
-// ---- The arena: decoder, TILE, MEMB, TEXT, and a block that first serves TILE and then holds the entries
+// 4.5
+MesocellStatus Loader::load_color(const u8* bytes) {
+  if (chunk->decoded < 16) return bad("COLR ends early");
+  u64 voxels = 1;
+  for (int a = 0; a < 3; ++a) {
+    const u32 r = object->color_resolution[a] = get32(bytes + 4 * a);
+    if (r < 1 || r > 1024) return bad("bad color resolution");
+    voxels *= r;
+  }
+  if (!all_zero(bytes + 12, 4)) return bad("reserved bytes are not zero");
+  if (chunk->decoded != 16 + voxels * 3) return bad("COLR has not the size that it should");
+  object->color = bytes + 16;
+  return charge(voxels, 3) ? kMesocellOk : over_limit("too many colors");
+}
+
+// 4.6 and 4.7
+MesocellStatus Loader::load_colors(const u8* bytes, u64 count, const uint8_t*& colors) {
+  if (chunk->decoded != count * 3) return bad("a chunk has not as many colors as it should");
+  colors = bytes;
+  return charge(count, 3) ? kMesocellOk : over_limit("too many colors");
+}
+
+// 4.8: whether pieces `a` and `b`, ids or 0, are of one instance if b is in the tile that is (dx, dy, dz)
+// further
+bool Loader::same_instance(u32 a, u32 b, int dx, int dy, int dz) const {
+  if (a == 0 || b == 0 || (dx == 0 && dy == 0 && dz == 0)) return a == b;
+  int p[3], q[3];
+  if (mesocell_piece(object, a, p) != mesocell_piece(object, b, q)) return false;
+  return p[0] == q[0] + dx && p[1] == q[1] + dy && p[2] == q[2] + dz;
+}
+
+u64 Loader::count_boundary() const {
+  const u32 rx = object->resolution[0], ry = object->resolution[1], rz = object->resolution[2];
+  u64 count = 0;
+  for (u32 z = 0; z < rz; ++z) {
+    for (u32 y = 0; y < ry; ++y) {
+      u64 rows[9];  // the first voxels of the rows around this one, and the tiles that those are in
+      int dy[9], dz[9];
+      for (int k = 0; k < 9; ++k) {
+        const int64_t yk = int64_t(y) + k % 3 - 1, zk = int64_t(z) + k / 3 - 1;
+        dy[k] = yk < 0 ? -1 : yk >= int64_t(ry) ? 1 : 0;
+        dz[k] = zk < 0 ? -1 : zk >= int64_t(rz) ? 1 : 0;
+        rows[k] = (u64(zk - dz[k] * int64_t(rz)) * ry + u64(yk - dy[k] * int64_t(ry))) * rx;
+      }
+      const auto id = [&](u32 x) { return mesocell_voxel_id(object, rows[4] + x); };
+      // Whether the nine voxels of this x are of one instance; three such in a row make a voxel inner.
+      const auto square = [&](u32 x) {
+        const u32 centre = id(x);
+        for (int k = 0; k < 9; ++k) {
+          const u32 other = mesocell_voxel_id(object, rows[k] + x);
+          // Ids in one tile tell all, and most of them are equal.
+          const bool apart = dy[k] != 0 || dz[k] != 0;
+          if (apart ? !same_instance(centre, other, 0, dy[k], dz[k]) : centre != other) return false;
+        }
+        return true;
+      };
+      const bool first = square(0);
+      bool before = square(rx - 1), here = first;
+      bool same_before = same_instance(id(rx - 1), id(0), 1, 0, 0);
+      for (u32 x = 0; x < rx; ++x) {
+        const bool last = x + 1 == rx;
+        const bool after = last ? first : square(x + 1);
+        const bool same_after = same_instance(id(x), id(last ? 0 : x + 1), last ? 1 : 0, 0, 0);
+        if (id(x) != 0 && !(before && here && after && same_before && same_after)) ++count;
+        before = here;
+        here = after;
+        same_before = same_after;
+      }
+    }
+  }
+  return count;
+}
+
+MesocellStatus Loader::load_normals(const u8* bytes) {
+  if (!charge(u64(object->resolution[0]) * object->resolution[1], 8) || !charge(chunk->decoded, 1))
+    return over_limit("too many normals");
+  for (u64 i = 0; i < chunk->decoded; ++i)
+    if (bytes[i] > 252) return bad("a byte of a normal is above 252");
+  object->normals = bytes;
+  object->normal_count = count_boundary();
+  if (chunk->decoded != object->normal_count * 2) return bad("NORM has not one normal a boundary voxel");
+  return kMesocellOk;
+}
+
+// ---- The arena: decoder, chunks but GRID, and a block that first serves TILE and then holds the entries
 
 struct Layout {
-  u64 tile = 0, memb = 0, text = 0, block = 0, total = 0;  // the decoder is at 0 and ends at `tile`
+  u64 at[kUnknown] = {}, block = 0, total = 0;  // by kTypes; the decoder is at 0 and ends at at[kTile]
 };
 
 // False if the arena would not fit in the address space. `tile_count` is 0 while GRID has not been read.
@@ -439,10 +529,11 @@ bool lay_out(const Loader& loader, Layout& layout) {
   const u64 tile_count = u64(o.tiles[0]) * o.tiles[1] * o.tiles[2];
   // A piece has 8 bytes of its own and a voxel of at least one byte.
   const u64 most_pieces = loader.chunks[kTile].decoded / 9;
-  layout.tile = compressed ? round_up(ZSTD_estimateDCtxSize(), 8) : 0;
-  layout.memb = layout.tile + round_up(loader.chunks[kTile].decoded, 8);
-  layout.text = layout.memb + round_up(loader.chunks[kMemb].decoded, 8);
-  layout.block = layout.text + round_up(loader.chunks[kText].decoded, 8);
+  layout.block = compressed ? round_up(ZSTD_estimateDCtxSize(), 8) : 0;
+  for (int i = kTile; i < kUnknown; ++i) {
+    layout.at[i] = layout.block;
+    layout.block += round_up(loader.chunks[i].decoded, 8);
+  }
   layout.total = layout.block + 4 * (tile_count > most_pieces ? tile_count : most_pieces + 1);
   return layout.total <= SIZE_MAX;
 }
@@ -481,18 +572,24 @@ MesocellStatus mesocell_load(const void* file, size_t file_bytes, const Mesocell
   u8* const base = static_cast<u8*>(arena);
   MESOCELL_TRY(loader.check_container());
   // Without GRID the arena's end is not known, but the decoder's is.
-  if (lay_out(loader, layout) && layout.tile > 0 && layout.tile <= arena_bytes)
-    loader.zstd = ZSTD_initStaticDCtx(base, size_t(layout.tile));
+  if (lay_out(loader, layout) && layout.at[kTile] > 0 && layout.at[kTile] <= arena_bytes)
+    loader.zstd = ZSTD_initStaticDCtx(base, size_t(layout.at[kTile]));
   MESOCELL_TRY(loader.load_grid());
   if (!lay_out(loader, layout)) return loader.over_limit("more than the address space");
   if (layout.total > arena_bytes) return loader.fail(kMesocellArenaTooSmall, "the arena is too small", 0);
 
   u32* const block = reinterpret_cast<u32*>(base + layout.block);
-  MESOCELL_TRY(loader.decode(kTile, base + layout.tile));
-  MESOCELL_TRY(loader.load_tile(base + layout.tile, block));
-  MESOCELL_TRY(loader.decode(kMemb, base + layout.memb));
-  MESOCELL_TRY(loader.load_membership(base + layout.memb, block));
-  if (loader.chunks[kText].type == 0) return kMesocellOk;
-  MESOCELL_TRY(loader.decode(kText, base + layout.text));
-  return loader.load_text(base + layout.text);
+  for (int i = kTile; i < kUnknown; ++i) {
+    if (loader.chunks[i].type == 0) continue;
+    u8* const bytes = base + layout.at[i];
+    MESOCELL_TRY(loader.decode(i, bytes));
+    MESOCELL_TRY(i == kTile   ? loader.load_tile(bytes, block)
+                 : i == kMemb ? loader.load_membership(bytes, block)
+                 : i == kColr ? loader.load_color(bytes)
+                 : i == kCcol ? loader.load_colors(bytes, object->cell_count, object->cell_colors)
+                 : i == kIcol ? loader.load_colors(bytes, object->inside, object->instance_colors)
+                 : i == kNorm ? loader.load_normals(bytes)
+                              : loader.load_text(bytes));
+  }
+  return kMesocellOk;
 }

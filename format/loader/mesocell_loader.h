@@ -61,6 +61,15 @@ typedef struct MesocellObject {
   const uint8_t* tags; /* mixed_count × block_bytes; cell c at bits 2·((c-1) mod 4) of byte (c-1) / 4 */
   uint32_t mixed_count, block_bytes;
 
+  /* sRGB, three bytes a color; NULL where the file has none, which stands for white */
+  uint32_t color_resolution[3];   /* of `color`, 0 if there is none */
+  const uint8_t* color;           /* a solid texture of the tile, x fastest */
+  const uint8_t* cell_colors;     /* one a cell */
+  const uint8_t* instance_colors; /* one an INSIDE instance, by home tile, then cell */
+
+  const uint8_t* normals; /* two bytes a boundary voxel, in storage order; NULL if there are none */
+  uint64_t normal_count;
+
   uint32_t text_count;
   const uint8_t* text; /* entries as in the file: see mesocell_next_text() */
   uint64_t text_bytes;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <string>
 
+#include "format/cell_object_chunks.h"
 #include "format/cell_object_io.h"
 #include "format/fourcc.h"
 #include "tests/format/test_file.h"
@@ -54,6 +55,24 @@ TEST_CASE("format: bytes after the end are refused") {
       reseal_header(longer);
       check_refused(longer);
     }
+  }
+}
+
+TEST_CASE("format: a chunk of color or normals may be left out alone") {
+  const Bytes whole = small_files()[3];
+  for (const std::uint32_t type : {kColorChunk, kCellColorChunk, kInstanceColorChunk, kNormalChunk}) {
+    TestFile parts = TestFile::take_apart(whole);
+    parts.chunks.erase(parts.chunks.begin() + (&parts.chunk(type) - parts.chunks.data()));
+    const Bytes file = parts.build();
+    const Verdicts v = verdicts(file);
+    CHECK(v.agree);
+    REQUIRE(v.reader);
+    CellObject expected = *read_cell_object(whole);
+    if (type == kColorChunk) expected.color.reset();
+    if (type == kCellColorChunk) expected.cell_colors.clear();
+    if (type == kInstanceColorChunk) expected.instance_colors.clear();
+    if (type == kNormalChunk) expected.normals.reset();
+    CHECK(*read_cell_object(file) == expected);
   }
 }
 

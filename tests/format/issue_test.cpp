@@ -40,9 +40,23 @@ Make payload(std::uint32_t type, std::size_t at, std::uint64_t value, unsigned c
   };
 }
 
+/// A file with all maps; its parts raw.
+TestFile with_maps() { return TestFile::take_apart(small_files()[3]); }
+
+/// That file with a number of a payload replaced.
+Make map_payload(std::uint32_t type, std::size_t at, std::uint64_t value, unsigned count) {
+  return [=] {
+    TestFile parts = with_maps();
+    Bytes bytes = parts.payload(type);
+    put(bytes, at, value, count);
+    parts.set_payload(type, bytes);
+    return parts.build();
+  };
+}
+
 Make resized(std::uint32_t type, int by) {
   return [=] {
-    TestFile parts = small();
+    TestFile parts = with_maps();
     Bytes bytes = parts.payload(type);
     bytes.resize(std::size_t(int(bytes.size()) + by));
     parts.set_payload(type, bytes);
@@ -149,6 +163,8 @@ const std::multimap<std::string, Make>& cases() {
       {"chunk-duplicate", [] { TestFile p = small(); p.chunks.push_back(p.chunks[3]); return p.build(); }},
       {"chunk-criticality", patched(kEntry + 4, 0, 4)},
       {"chunk-criticality", patched(kTextEntry + 4, 1, 4)},
+      {"chunk-criticality", [] { TestFile p = with_maps(); p.chunk(kColorChunk).flags = 1; return p.build(); }},
+      {"chunk-criticality", [] { TestFile p = with_maps(); p.chunk(kNormalChunk).flags = 1; return p.build(); }},
       {"chunk-unknown-critical", [] { TestFile p = small(); p.chunks.push_back({fourcc("WHAT"), 1, 0, 0, {}}); return p.build(); }},
       {"chunk-unknown-skippable", [] { TestFile p = small(); p.chunks.push_back({fourcc("WHAT"), 0, 0, 0, {}}); return p.build(); }},
       {"chunk-missing", [] { TestFile p = small(); p.chunks.erase(p.chunks.begin() + 1); return p.build(); }},
@@ -167,9 +183,21 @@ const std::multimap<std::string, Make>& cases() {
       {"payload-truncated", resized(kGridChunk, -1)},
       {"payload-truncated", resized(kTileChunk, -1)},
       {"payload-truncated", resized(kTileChunk, -89)},
+      {"payload-truncated", [] { TestFile p = with_maps(); p.set_payload(kColorChunk, Bytes(15)); return p.build(); }},
+      {"payload-truncated", [] { TestFile p = with_maps(); p.set_payload(kNormalChunk, {}); return p.build(); }},
       {"payload-truncated", resized(kMembershipChunk, -1)},
       {"payload-truncated", resized(kMembershipChunk, -10)},
       {"payload-truncated", resized(kTextChunk, -1)},
+      {"payload-truncated", resized(kColorChunk, -1)},
+      {"payload-truncated", map_payload(kColorChunk, 0, 1024 | std::uint64_t{1024} << 32, 8)},
+      {"payload-truncated", resized(kCellColorChunk, -3)},
+      {"payload-truncated", resized(kInstanceColorChunk, -1)},
+      {"payload-truncated", resized(kNormalChunk, -2)},
+      {"payload-trailing", resized(kColorChunk, 1)},
+      {"payload-trailing", map_payload(kColorChunk, 0, 1 | std::uint64_t{1} << 32, 8)},
+      {"payload-trailing", resized(kCellColorChunk, 1)},
+      {"payload-trailing", resized(kInstanceColorChunk, 3)},
+      {"payload-trailing", resized(kNormalChunk, 1)},
       {"payload-truncated", payload(kTextChunk, 0, 0xffffffff, 4)},
       {"payload-truncated", payload(kMembershipChunk, 32, 0xffffffff, 4)},
       {"payload-truncated", payload(kMembershipChunk, 36, 0xffffffff, 4)},
@@ -230,6 +258,11 @@ const std::multimap<std::string, Make>& cases() {
       {"text-utf8", text({{"\xed\xa0\x80", "surrogate"}})},
       {"text-order", text({{"a", "1"}, {"a", "2"}})},
       {"text-order", text({{"ab", "1"}, {"a", "2"}})},
+      {"color-resolution", map_payload(kColorChunk, 0, 0, 4)},
+      {"color-resolution", map_payload(kColorChunk, 8, 1025, 4)},
+      {"color-reserved", map_payload(kColorChunk, 15, 1, 1)},
+      {"normal-code", map_payload(kNormalChunk, 0, 253, 1)},
+      {"normal-code", map_payload(kNormalChunk, 3, 255, 1)},
       {"limit-exceeded", payload(kGridChunk, 32, 1u << 28, 4)},
   };
   return all;

@@ -110,11 +110,13 @@ TEST_CASE("format: huge counts in a small file are refused before memory is take
   for (const auto& [type, at] : {std::pair{kTileChunk, std::size_t{0}},
                                  {kMembershipChunk, std::size_t{32}},
                                  {kMembershipChunk, std::size_t{36}},
+                                 {kColorChunk, std::size_t{0}},
                                  {kTextChunk, std::size_t{0}}}) {
-    TestFile p = TestFile::take_apart(encoded(object));
+    TestFile p = TestFile::take_apart(small_files()[3]);
     Bytes bytes = p.payload(type);
-    put(bytes, at, type == kTileChunk ? 1024 : 0xffffffff, 4);
-    if (type == kTileChunk) put(bytes, at + 4, 1024 | std::uint64_t{1024} << 32, 8);
+    const bool is_map = type == kTileChunk || type == kColorChunk;
+    put(bytes, at, is_map ? 1024 : 0xffffffff, 4);
+    if (is_map) put(bytes, at + 4, 1024 | std::uint64_t{1024} << 32, 8);
     p.set_payload(type, bytes);
     const Verdicts v = verdicts(p.build());
     CHECK(v.agree);

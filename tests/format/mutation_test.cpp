@@ -79,7 +79,7 @@ void mutate_deep(Rng& rng, TestFile& parts) {
     if (bytes.size() > from)
       bytes[from + rng.below(std::uint32_t(bytes.size() - from))] = std::byte(rng.below(range));
   };
-  switch (rng.below(4)) {
+  switch (rng.below(6)) {
     case 0:
       any(parts.chunk(kTileChunk).stored, 24, 6);
       break;  // pieces, ids
@@ -90,6 +90,14 @@ void mutate_deep(Rng& rng, TestFile& parts) {
       Bytes& tile = parts.chunk(kTileChunk).stored;
       const std::size_t ids = 24 + 8 * get(tile, 16), n = tile.size() - ids;
       tile[ids + rng.below(std::uint32_t(n))] = tile[ids + rng.below(std::uint32_t(n))];
+      break;
+    }
+    case 3:
+      any(parts.chunks.back().stored, 0, 256);
+      break;
+    case 4: {  // a byte of a map, or its header
+      TestChunk& map = parts.chunks[rng.below(std::uint32_t(parts.chunks.size()))];
+      if ((map.flags & 1) == 0) any(map.stored, 0, 2 + rng.below(255));
       break;
     }
     default: {  // two tags change places

@@ -89,6 +89,42 @@ TEST_CASE("format: the same object gives the same bytes, and the bytes of a smal
   CHECK(hash64(file) == 0xefc674d979eed21c);
 }
 
+TEST_CASE("format: maps of color and normals survive the round trip, each alone and all together") {
+  for (unsigned maps = 0; maps <= kAllMaps; ++maps) {
+    RandomObjectOptions options;
+    options.resolution = {9, 8, 7};
+    options.maps = maps;
+    const CellObject object = random_object(100 + maps, options);
+    CHECK(object.color.has_value() == ((maps & kColorMap) != 0));
+    CHECK(object.normals.has_value() == ((maps & kNormals) != 0));
+    CHECK(object.cell_colors.empty() == ((maps & kCellColors) == 0));
+    CHECK(object.instance_colors.empty() == ((maps & kInstanceColors) == 0));
+    check_round_trip(object);
+  }
+}
+
+TEST_CASE("format: instances of one color cost next to nothing") {
+  CellObject object = walkthrough_object();
+  object.grid.tiles = object.membership.tiles = {100, 100, 50};
+  object.membership.entries.assign(500000, 1);
+  object.membership.blocks.clear();
+  const std::size_t without = encoded(object).size();
+  object.instance_colors.assign(1000000, {200, 100, 50});
+  check_round_trip(object);
+  CHECK(encoded(object).size() <= without + 64 + 512);
+}
+
+TEST_CASE("format: the bytes of a small file with all maps are frozen") {
+  CellObject object = walkthrough_object();
+  object.color = ColorMap{{1, 2, 1}, {{10, 20, 30}, {40, 50, 60}}};
+  object.cell_colors = {{1, 2, 3}, {4, 5, 6}};
+  object.instance_colors = {{7, 8, 9}, {10, 11, 12}, {13, 14, 15}};
+  object.normals.emplace().normals.assign(24, {127, 0});
+  check_round_trip(object);
+  // As above; no chunk is large enough to be compressed.
+  CHECK(hash64(encoded(object)) == 0x1d171ce346be1ba8);
+}
+
 TEST_CASE("format: a writer refuses what the format cannot hold") {
   CellObject object = walkthrough_object();
   object.metadata = {{"b", "1"}, {"a", "2"}};

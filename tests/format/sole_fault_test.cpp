@@ -19,11 +19,16 @@ TestFile parts_of(const CellObject& object) {
   TestFile parts;
   parts.representation = kCellObjectRepresentation;
   const auto add = [&](std::uint32_t type, const Bytes& bytes) {
-    parts.chunks.push_back({type, type == kTextChunk ? 0u : 1u, 0, bytes.size(), bytes});
+    const bool critical = type == kGridChunk || type == kTileChunk || type == kMembershipChunk;
+    parts.chunks.push_back({type, critical ? 1u : 0u, 0, bytes.size(), bytes});
   };
   add(kGridChunk, encode_grid(object.grid));
   add(kTileChunk, encode_tile(object.tile));
   add(kMembershipChunk, encode_membership(object.membership));
+  if (object.color) add(kColorChunk, encode_color(*object.color));
+  if (!object.cell_colors.empty()) add(kCellColorChunk, encode_colors(object.cell_colors));
+  if (!object.instance_colors.empty()) add(kInstanceColorChunk, encode_colors(object.instance_colors));
+  if (object.normals) add(kNormalChunk, encode_normals(*object.normals));
   add(kTextChunk, encode_text(object.metadata));
   return parts;
 }
@@ -200,4 +205,64 @@ TEST_CASE("format: a sole fault of MEMB is found") {
         edited(kMembershipChunk, [&](Bytes& m) { put(m, m.size() - 1, 0b1001u | 1u << bit, 1); }),
         "memb-unused-bits");
   }
+}
+
+TEST_CASE("format: a sole fault of a color chunk is found") {
+  for (std::size_t a = 0; a < 3; ++a) {
+    CellObject object = walkthrough_object();
+    ColorMap& color = object.color.emplace();
+    color.resolution = {1, 1, 1};
+    color.resolution[a] = 1024;
+    color.voxels.assign(1024, {1, 2, 3});
+    CHECK(verdicts(parts_of(object).build()).reader);
+    color.resolution[a] = 1025;
+    color.voxels.push_back({});
+    check_sole_fault(object, "color-resolution");
+    color.resolution[a] = 0;
+    color.voxels.clear();
+    check_sole_fault(object, "color-resolution");
+  }
+  CellObject object = walkthrough_object();
+  object.cell_colors.assign(2, {255, 255, 255});
+  object.instance_colors.assign(3, {0, 0, 0});
+  CHECK(verdicts(parts_of(object).build()).reader);
+  for (const std::size_t count : {1, 3, 64}) {
+    object.cell_colors.resize(count);
+    check_sole_fault(object, count < 2 ? "payload-truncated" : "payload-trailing");
+  }
+  object.cell_colors.clear();
+  for (const std::size_t count : {2, 4}) {
+    object.instance_colors.resize(count);
+    check_sole_fault(object, count < 3 ? "payload-truncated" : "payload-trailing");
+  }
+}
+
+TEST_CASE("format: instance colors of an object without INSIDE instances are none") {
+  CellObject object = walkthrough_object();
+  object.membership.entries = {0, 0};
+  object.membership.blocks.clear();
+  TestFile parts = parts_of(object);
+  parts.chunks.push_back({kInstanceColorChunk, 0, 0, 0, {}});
+  const Verdicts none = verdicts(parts.build());
+  CHECK(none.agree);
+  CHECK(none.reader);
+  parts.set_payload(kInstanceColorChunk, Bytes(3));
+  check_sole_fault(parts.build(), "payload-trailing");
+}
+
+TEST_CASE("format: a sole fault of NORM is found") {
+  // Both cells lie at the border with empty space everywhere: all voxels of the lower half but none above.
+  CellObject object = walkthrough_object();
+  NormalMap& map = object.normals.emplace();
+  map.normals.assign(24, {0, 252});
+  CHECK(verdicts(parts_of(object).build()).reader);
+  map.normals[23][1] = 253;
+  check_sole_fault(object, "normal-code");
+  map.normals.pop_back();
+  check_sole_fault(object, "payload-truncated");
+  map.normals.resize(25);
+  check_sole_fault(object, "payload-trailing");
+  TestFile odd = parts_of(object);
+  odd.set_payload(kNormalChunk, Bytes(49));
+  check_sole_fault(odd.build(), "payload-trailing");
 }

@@ -38,6 +38,24 @@ CellObject to_cell_object(const MesocellObject& o) {
   object.membership.cell_count = o.cell_count;
   object.membership.entries.assign(o.entries, o.entries + object.grid.tile_count());
   object.membership.blocks.assign(o.tags, o.tags + std::size_t{o.mixed_count} * o.block_bytes);
+  const auto colors = [](const std::uint8_t* bytes, std::uint64_t count) {
+    std::vector<Rgb8> result(bytes ? count : 0);
+    for (std::size_t i = 0; i < result.size(); ++i) std::copy_n(bytes + 3 * i, 3, result[i].begin());
+    return result;
+  };
+  if (o.color) {
+    ColorMap& color = object.color.emplace();
+    std::copy_n(o.color_resolution, 3, color.resolution.begin());
+    color.voxels =
+        colors(o.color, std::uint64_t{o.color_resolution[0]} * o.color_resolution[1] * o.color_resolution[2]);
+  }
+  object.cell_colors = colors(o.cell_colors, o.cell_count);
+  object.instance_colors = colors(o.instance_colors, o.inside);
+  if (o.normals) {
+    object.normals.emplace().normals.resize(o.normal_count);
+    for (std::size_t i = 0; i < o.normal_count; ++i)
+      object.normals->normals[i] = {o.normals[2 * i], o.normals[2 * i + 1]};
+  }
   std::uint64_t cursor = 0;
   const char *key = nullptr, *value = nullptr;
   std::uint32_t key_bytes = 0, value_bytes = 0;
@@ -53,10 +71,15 @@ bool is_canonical(std::span<const std::byte> file, const CellObject& object) {
     const auto bytes = container->read_chunk(type);
     return bytes.ok() && *bytes == expected;
   };
-  const bool has_text = container->scan().find(kTextChunk).has_value();
+  const auto has = [&](std::uint32_t type) { return container->scan().find(type).has_value(); };
   return same(kGridChunk, encode_grid(object.grid)) && same(kTileChunk, encode_tile(object.tile)) &&
          same(kMembershipChunk, encode_membership(object.membership)) &&
-         (!has_text || same(kTextChunk, encode_text(object.metadata)));
+         object.color.has_value() == has(kColorChunk) && object.normals.has_value() == has(kNormalChunk) &&
+         (!object.color || same(kColorChunk, encode_color(*object.color))) &&
+         (!has(kCellColorChunk) || same(kCellColorChunk, encode_colors(object.cell_colors))) &&
+         (!has(kInstanceColorChunk) || same(kInstanceColorChunk, encode_colors(object.instance_colors))) &&
+         (!object.normals || same(kNormalChunk, encode_normals(*object.normals))) &&
+         (!has(kTextChunk) || same(kTextChunk, encode_text(object.metadata)));
 }
 
 std::size_t chunk_count_in(const Bytes& file) {

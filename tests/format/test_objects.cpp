@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "format/cell_object_io.h"
+#include "format/normal_map.h"
 
 namespace mesocell::test {
 namespace {
@@ -72,6 +73,34 @@ MembershipMap random_membership(Rng& rng, const Index3& tiles, std::uint32_t cel
   return m;
 }
 
+std::vector<Rgb8> random_colors(Rng& rng, std::uint64_t count) {
+  std::vector<Rgb8> colors(count);
+  for (Rgb8& color : colors)
+    for (std::uint8_t& channel : color) channel = std::uint8_t(rng.below(256));
+  return colors;
+}
+
+void add_random_maps(Rng& rng, unsigned maps, CellObject& object) {
+  if ((maps & kColorMap) != 0) {
+    ColorMap color;
+    for (std::uint32_t& r : color.resolution) r = 1 + rng.below(6);
+    color.voxels =
+        random_colors(rng, std::uint64_t{color.resolution[0]} * color.resolution[1] * color.resolution[2]);
+    object.color = std::move(color);
+  }
+  if ((maps & kCellColors) != 0) object.cell_colors = random_colors(rng, object.tile.cell_count);
+  if ((maps & kInstanceColors) != 0)
+    object.instance_colors = random_colors(rng, count_instances(object.membership).inside);
+  if ((maps & kNormals) != 0) {
+    NormalMap normals;
+    for (const std::uint8_t at_boundary : boundary_voxels(object.tile))
+      if (at_boundary != 0)
+        normals.normals.push_back(
+            {std::uint8_t(rng.below(kMaxNormalByte + 1)), std::uint8_t(rng.below(kMaxNormalByte + 1))});
+    object.normals = std::move(normals);
+  }
+}
+
 }  // namespace
 
 TileMap random_tile(Rng& rng, const RandomObjectOptions& options) {
@@ -128,6 +157,7 @@ CellObject random_object(std::uint64_t seed, const RandomObjectOptions& options)
     texts[key] = value;
   }
   object.metadata.assign(texts.begin(), texts.end());
+  add_random_maps(rng, options.maps, object);
   return object;
 }
 
@@ -141,6 +171,7 @@ CellObject random_small_object(std::uint64_t seed) {
   options.block = 1 + rng.below(3);
   options.longest_run = 1 + rng.below(30);
   options.texts = rng.below(4);
+  options.maps = rng.below(kAllMaps + 1);
   return random_object(seed, options);
 }
 
@@ -171,7 +202,15 @@ std::vector<std::vector<std::byte>> small_files() {
   compressible.resolution = {8, 8, 8};
   compressible.block = 4;
   compressible.texts = 0;
-  return {encoded(walkthrough_object()), encoded(random_object(7)), encoded(random_object(8, compressible))};
+  RandomObjectOptions with_maps;
+  with_maps.resolution = {4, 4, 4};
+  with_maps.tiles = {2, 1, 2};
+  with_maps.cells = 3;
+  with_maps.block = 2;
+  with_maps.texts = 1;
+  with_maps.maps = kAllMaps;
+  return {encoded(walkthrough_object()), encoded(random_object(7)), encoded(random_object(8, compressible)),
+          encoded(random_object(9, with_maps))};
 }
 
 std::vector<std::byte> encoded(const CellObject& object) {

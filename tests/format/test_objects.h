@@ -10,6 +10,9 @@
 /// Cell objects for tests of the format: valid by construction, with nothing to do with any mesh.
 namespace mesocell::test {
 
+/// Which maps of color and normals an object has.
+enum TestMaps : unsigned { kColorMap = 1, kCellColors = 2, kInstanceColors = 4, kNormals = 8, kAllMaps = 15 };
+
 struct RandomObjectOptions {
   Index3 resolution{4, 5, 6};
   Index3 tiles{3, 2, 4};
@@ -18,6 +21,7 @@ struct RandomObjectOptions {
   std::uint32_t block = 1;        ///< voxels of this many along each axis share a label, which compresses
   std::uint32_t longest_run = 6;  ///< tiles in a row with one kind of membership
   std::uint32_t texts = 2;
+  unsigned maps = 0;  ///< sum of TestMaps
 };
 
 /// A tile of random labels: every voxel gets a cell and an image of it, then homes are moved to obey the home
@@ -30,7 +34,7 @@ struct RandomObjectOptions {
 /// The object of spec section 7.
 [[nodiscard]] CellObject walkthrough_object();
 
-/// Three small files, raw and compressed, with and without text.
+/// Four small files, raw and compressed, with and without text; the last one with all maps.
 [[nodiscard]] std::vector<std::vector<std::byte>> small_files();
 
 /// encode_cell_object() of an object that must encode.

@@ -110,7 +110,10 @@ std::vector<std::string> quoted_includes(std::string_view text) {
 std::vector<std::string> broken_rules(const std::string& path, std::string_view text) {
   std::vector<std::string> broken;
   const auto lines = std::count(text.begin(), text.end(), '\n');
-  if (lines > 500) broken.push_back(path + ": has " + std::to_string(lines) + " lines, over 500");
+  // The compact loader is one source by its purpose, so that an engine takes two files.
+  const int most = path.starts_with("format/loader/") ? 1000 : 500;
+  if (lines > most)
+    broken.push_back(path + ": has " + std::to_string(lines) + " lines, over " + std::to_string(most));
   if (path.starts_with("tests/")) return broken;
   const Folder* own = folder_of(path);
   if (!own) {
