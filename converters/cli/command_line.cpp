@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "converters/cli/cell_object_asset.h"
 #include "converters/cli/commands.h"
 #include "converters/cli/exit_codes.h"
 #include "converters/import/mesh_file.h"
 #include "format/container_scan.h"
+#include "sdk/surface/color.h"
 #include "sdk/tiles/tile_spec.h"
 
 namespace mesocell {
@@ -43,11 +45,18 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->add_option("--box", command.box, "Box to cover, instead of the mesh's")
       ->type_name("X0,Y0,Z0,X1,Y1,Z1");
   sub->add_option("--tile", command.tile, "Recipe of the tile [" + command.tile + "]")->type_name("RECIPE");
+  sub->add_option("--rule", command.rule, "Rule of membership: " + rule_names() + " [" + command.rule + "]")
+      ->type_name("RULE");
+  sub->add_option("--color", command.color, "Recipe of the color; white if not given")->type_name("RECIPE");
+  sub->add_flag("--normals", command.normals, "Store smooth normals at the borders of the cells");
   add_no_clobber(*sub, command.no_clobber);
   add_common(*sub, command.common);
-  sub->footer("Recipes:\n" + tile_generators_help() +
-              "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
-              "--tile voronoi:cells=8,resolution=128,seed=1\n");
+  sub->footer(
+      "Rules: by centre a cell is inside if all its voxels' centres are; by conservative the surface "
+      "must not even touch one of its voxels.\n\nRecipes of tiles:\n" +
+      tile_generators_help() + "\nRecipes of colors:\n" + color_recipes_help() +
+      "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
+      "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n");
 }
 
 void add_info(CLI::App& app, InfoCommand& command) {
@@ -69,7 +78,10 @@ void add_validate(CLI::App& app, ValidateCommand& command) {
 void add_render(CLI::App& app, RenderCommand& command) {
   CLI::App* sub = app.add_subcommand("render", "Make a picture of a .meso file");
   sub->add_option("input", command.input, "File to read: .meso")->required()->type_name("FILE");
-  sub->add_option("output", command.output, "Picture to write: .png or .exr")
+  sub->add_option(
+         "output", command.output,
+         "Picture to write: .png; or .exr, with all layers: R, G, B as in a .png but linear, depth.Z, "
+         "normal.X/Y/Z, color.R/G/B and cell.id")
       ->required()
       ->type_name("PICTURE");
   sub->add_option("--mode", command.mode, "first-hit (shaded), depth, cell, normal or color [first-hit]")
@@ -86,12 +98,54 @@ void add_render(CLI::App& app, RenderCommand& command) {
   sub->add_option("--depth", command.depth,
                   "Also write the distance along each ray, channel Z, a miss is infinite")
       ->type_name("FILE.exr");
+  const auto whole = [&](const char* name, std::optional<std::uint32_t>& value, std::uint32_t low,
+                         std::uint32_t high, const char* help) {
+    sub->add_option(name, value, help)->type_name("N")->check(CLI::Range(low, high).description(""));
+  };
+  sub->add_option("--clip", command.clip, "Cut the object: keep the points x with n·x at most D")
+      ->type_name("NX,NY,NZ,D");
+  whole("--samples", command.samples, 1, 4096, "Rays a pixel [1]");
+  whole("--bounces", command.bounces, 0, 1000, "Mirror reflections to follow; 0 is a matt object [0]");
+  sub->add_option("--reflectivity", command.reflectivity,
+                  "Share of the light that a mirror reflects, 0 to 1; the rest is matt [1]")
+      ->type_name("R");
+  sub->add_option("--ior", command.ior, "Make the object clear, with this index of refraction, 1 to 10")
+      ->type_name("X");
+  whole("--events", command.events, 0, 1000, "Refractions to follow in a clear object [6]");
+  sub->add_option("--light", command.light, "Direction towards a light that casts hard shadows")
+      ->type_name("X,Y,Z");
+  whole("--ao", command.ao, 0, 4096, "Rays of ambient occlusion at every hit [0]");
+  sub->add_option(
+         "--env", command.env,
+         "What surrounds the object, a latitude-longitude picture: .hdr, .exr or .png, the middle of "
+         "it is seen along -z; or sky, a sun over a checkered ground")
+      ->type_name("PICTURE");
   add_no_clobber(*sub, command.no_clobber);
   add_common(*sub, command.common);
   sub->footer(
-      "In mode depth an .exr holds the distances themselves in channel Z.\n\n"
+      "Light, mirrors and glass are for mode first-hit; an option without effect warns.\n\n"
       "Example:\n  mesocell render bunny.meso bunny.png --mode first-hit --size 1024x768 --eye "
-      "0.2,0.2,0.3\n");
+      "0.2,0.2,0.3\n  mesocell render bunny.meso glass.png --ior 1.5 --env sky --samples 4\n");
+}
+
+void add_compare(CLI::App& app, CompareCommand& command) {
+  CLI::App* sub = app.add_subcommand("compare", "Compare two pictures or two .meso files");
+  sub->add_option("a", command.a, "Picture (.png, .exr, .hdr) or .meso file")->required()->type_name("A");
+  sub->add_option("b", command.b, "Another of the same kind")->required()->type_name("B");
+  sub->add_option("--tolerance", command.tolerance,
+                  "Greatest difference of a channel that is still equal, for pictures, 0 to 1 [0]")
+      ->type_name("X");
+  add_common(*sub, command.common);
+  sub->footer(
+      "Exit code 0 if they are equal, for pictures within the tolerance, else 1.\n"
+      "Pictures: values as they are in the file, 1 is white; where only one of the two is in sRGB, both are "
+      "taken in linear light. Infinite values equal each other, and what is not a number equals its like.\n\n"
+      "Keys of --json: kind (picture or asset), equal, differences [parts that differ], and\n"
+      "  of pictures: width, height, channels, tolerance, max, mean, rmse, psnr (dB, of a peak of 1); null "
+      "where a figure is infinite or there is none; the parts are size, channels, values\n"
+      "  of cell objects: " +
+      std::string(cell_object_comparison_help()) +
+      "\n\nExample:\n  mesocell compare a.png b.png --tolerance 0.01\n");
 }
 
 /// The words of the command line, last first, as the parser takes them. A vector whose first number is
@@ -149,10 +203,12 @@ int run_command_line(int argc, char** argv) {
   InfoCommand info;
   ValidateCommand validate;
   RenderCommand render;
+  CompareCommand compare;
   add_convert(app, convert);
   add_info(app, info);
   add_validate(app, validate);
   add_render(app, render);
+  add_compare(app, compare);
   try {
     app.parse(parser_words(argc, argv));
   } catch (const CLI::Success& wish) {
@@ -163,6 +219,7 @@ int run_command_line(int argc, char** argv) {
   if (app.got_subcommand("convert")) return run_convert(convert);
   if (app.got_subcommand("info")) return run_info(info);
   if (app.got_subcommand("validate")) return run_validate(validate);
+  if (app.got_subcommand("compare")) return run_compare(compare);
   return run_render(render);
 }
 

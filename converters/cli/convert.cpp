@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "converters/cli/cell_object_asset.h"
 #include "converters/cli/commands.h"
 #include "converters/cli/interrupt.h"
 #include "converters/cli/progress_bar.h"

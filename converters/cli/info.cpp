@@ -23,7 +23,7 @@ std::string value_text(const nlohmann::ordered_json& value) {
 std::string info_text(const nlohmann::ordered_json& info) {
   std::string text;
   for (const auto& [key, value] : info.items()) {
-    if (value.is_structured() && value.empty()) continue;
+    if (value.is_null() || (value.is_structured() && value.empty())) continue;
     const std::string name = key + std::string(key.size() < 16 ? 16 - key.size() : 1, ' ');
     if (value.is_array() && value.front().is_object()) {
       for (const nlohmann::ordered_json& item : value) text += name + value_text(item) + "\n";

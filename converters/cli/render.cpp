@@ -8,50 +8,22 @@
 
 #include "converters/cli/commands.h"
 #include "converters/cli/progress_bar.h"
+#include "converters/cli/render_plan.h"
 #include "converters/cli/representations.h"
-#include "converters/cli/values.h"
 #include "converters/export/image_file.h"
+#include "converters/export/image_reader.h"
+#include "sdk/shade/clip.h"
 
 namespace mesocell {
 namespace {
 
-struct Failure {
-  Error error;
-  std::string subject;
-};
+using Failure = RenderFailure;
+
+/// An --env that is no file.
+constexpr std::string_view kSkyName = "sky";
 
 Failure usage(std::string subject, std::string message) {
   return {Error{ErrorCode::kUsage, std::move(message)}, std::move(subject)};
-}
-
-std::optional<Failure> parse_vector(const std::string& text, const char* option,
-                                    std::optional<Vec3>& vector) {
-  if (text.empty()) return std::nullopt;
-  const Result<Vec3> parsed = parse_vec3(text);
-  if (!parsed) return Failure{parsed.error(), option};
-  vector = *parsed;
-  return std::nullopt;
-}
-
-/// What the words of the command line mean; all of it is checked before the input is read.
-std::optional<Failure> make_options(const RenderCommand& command, RenderOptions& options) {
-  const Result<RenderMode> mode = parse_render_mode(command.mode);
-  if (!mode) return Failure{mode.error(), "--mode"};
-  options.mode = *mode;
-  const Result<std::array<std::uint32_t, 2>> size = parse_size(command.size);
-  if (!size) return Failure{size.error(), "--size"};
-  options.width = (*size)[0];
-  options.height = (*size)[1];
-  if (auto failure = parse_vector(command.eye, "--eye", options.camera.eye)) return failure;
-  if (auto failure = parse_vector(command.look, "--look", options.camera.look)) return failure;
-  if (auto failure = parse_vector(command.up, "--up", options.camera.up)) return failure;
-  if (command.fov) {
-    if (!(*command.fov > 0 && *command.fov < 180))
-      return usage("--fov", "the angle must be above 0 and below 180 degrees");
-    options.camera.fov_degrees = *command.fov;
-  }
-  options.threads = command.common.threads;
-  return std::nullopt;
 }
 
 std::optional<Failure> check_outputs(const RenderCommand& command) {
@@ -60,8 +32,9 @@ std::optional<Failure> check_outputs(const RenderCommand& command) {
   if (!command.depth.empty() && !has_extension(command.depth, ".exr"))
     return usage(command.depth, "depth is written as .exr alone; give it that extension");
   for (const std::string& output : {command.output, command.depth})
-    if (!output.empty() && same_file(output, command.input))
-      return usage(output, "input and output are the same file; name another output");
+    for (const std::string& input : {command.input, command.env})
+      if (!output.empty() && !input.empty() && same_file(output, input))
+        return usage(output, "input and output are the same file; name another output");
   if (!command.depth.empty() && same_file(command.depth, command.output))
     return usage(command.depth, "the picture and --depth are the same file; name another one");
   for (const std::string& output : {command.output, command.depth})
@@ -71,38 +44,112 @@ std::optional<Failure> check_outputs(const RenderCommand& command) {
   return std::nullopt;
 }
 
-const std::array<std::string, 3> kColor = {"R", "G", "B"};
-const std::array<std::string, 1> kDepth = {"Z"};
+struct Layer {
+  const std::vector<float>* values;
+  std::vector<std::string> channels;
+};
 
-std::optional<Failure> write_pictures(const RenderCommand& command, const RenderOptions& options,
-                                      const RenderResult& picture) {
-  const ImageView color{picture.width, picture.height, kColor, picture.rgb};
-  const ImageView depth{picture.width, picture.height, kDepth, picture.depth};
-  const ImageWriteOptions write{command.no_clobber};
-  // Depth in a float file is the distance itself; in a PNG it is a picture of it.
-  const bool distances = options.mode == RenderMode::kDepth && has_extension(command.output, ".exr");
-  if (Status status = write_image_file(command.output, distances ? depth : color, write); !status)
-    return Failure{status.error(), command.output};
-  if (!command.depth.empty())
-    if (Status status = write_image_file(command.depth, depth, write); !status)
-      return Failure{status.error(), command.depth};
+/// All that is known of each pixel, channels side by side.
+std::optional<Failure> write_layers(const std::string& path, const RenderResult& picture,
+                                    const ImageWriteOptions& options) {
+  const std::vector<Layer> layers = {{&picture.rgb, {"R", "G", "B"}},
+                                     {&picture.depth, {"depth.Z"}},
+                                     {&picture.normal, {"normal.X", "normal.Y", "normal.Z"}},
+                                     {&picture.color, {"color.R", "color.G", "color.B"}},
+                                     {&picture.cell, {"cell.id"}}};
+  std::vector<std::string> channels;
+  for (const Layer& layer : layers)
+    channels.insert(channels.end(), layer.channels.begin(), layer.channels.end());
+  const std::size_t pixels = std::size_t{picture.width} * picture.height;
+  std::vector<float> values;
+  values.reserve(pixels * channels.size());
+  for (std::size_t i = 0; i < pixels; ++i)
+    for (const Layer& layer : layers) {
+      const auto first = layer.values->begin() + std::ptrdiff_t(i * layer.channels.size());
+      values.insert(values.end(), first, first + std::ptrdiff_t(layer.channels.size()));
+    }
+  const ImageView image{picture.width, picture.height, channels, values};
+  if (Status status = write_image_file(path, image, options); !status) return Failure{status.error(), path};
   return std::nullopt;
 }
 
-std::optional<Failure> render_file(const RenderCommand& command, const Progress& progress,
+std::optional<Failure> write_pictures(const RenderCommand& command, const RenderResult& picture) {
+  static const std::array<std::string, 3> color = {"R", "G", "B"};
+  static const std::array<std::string, 1> depth = {"Z"};
+  const ImageWriteOptions write{command.no_clobber};
+  if (has_extension(command.output, ".exr")) {
+    if (auto failure = write_layers(command.output, picture, write)) return failure;
+  } else if (Status status =
+                 write_image_file(command.output, {picture.width, picture.height, color, picture.rgb}, write);
+             !status) {
+    return Failure{status.error(), command.output};
+  }
+  if (command.depth.empty()) return std::nullopt;
+  const ImageView distances{picture.width, picture.height, depth, picture.depth};
+  if (Status status = write_image_file(command.depth, distances, write); !status)
+    return Failure{status.error(), command.depth};
+  return std::nullopt;
+}
+
+/// A picture as what surrounds the object, or the sky; gray pictures have one channel for all three colors.
+std::optional<Failure> read_environment(const std::string& path, std::optional<Environment>& environment) {
+  if (path == kSkyName) {
+    environment.emplace(make_sky());
+    return std::nullopt;
+  }
+  Result<Image> image = read_image_file(path);
+  if (!image) return Failure{image.error(), path};
+  to_linear(*image);
+  std::array<std::size_t, 3> from{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::array<std::string_view, 3> names = {"R", "G", "B"};
+    const std::optional<std::size_t> color = find_channel(*image, names[c]), gray = find_channel(*image, "Y");
+    if (!color && !gray)
+      return Failure{Error{ErrorCode::kInvalidInput,
+                           "it has neither channels R, G, B nor Y; use a picture that has colors"},
+                     path};
+    from[c] = color ? *color : *gray;
+  }
+  const std::size_t pixels = std::size_t{image->width} * image->height, stride = image->channels.size();
+  std::vector<float> rgb;
+  rgb.reserve(3 * pixels);
+  for (std::size_t i = 0; i < pixels; ++i)
+    for (const std::size_t c : from) {
+      const float value = image->pixels[i * stride + c];
+      if (!(value >= 0 && std::isfinite(value)))
+        return Failure{
+            Error{ErrorCode::kInvalidInput,
+                  "a pixel is negative, infinite or not a number, which no light is; use a picture "
+                  "of light"},
+            path};
+      rgb.push_back(value);
+    }
+  environment.emplace(std::move(rgb), image->width, image->height);
+  return std::nullopt;
+}
+
+std::optional<Failure> render_file(const RenderCommand& command, const Progress& progress, RenderPlan& plan,
                                    RenderResult& picture) {
-  RenderOptions options;
-  if (auto failure = make_options(command, options)) return failure;
+  if (auto failure = make_render_plan(command, plan)) return failure;
   if (auto failure = check_outputs(command)) return failure;
+  std::optional<Environment> environment;
+  if (plan.uses_environment) {
+    if (auto failure = read_environment(command.env, environment)) return failure;
+    plan.options.environment = &*environment;
+  }
   const Result<AssetFile> file = read_asset_file(command.input);
   if (!file) return Failure{file.error(), command.input};
-  const Result<std::unique_ptr<Caster>> caster = file->asset->make_caster(command.method);
-  if (!caster) return Failure{caster.error(), "--method"};
-  Result<RenderResult> rendered = render(**caster, options, &progress);
+  const Result<std::unique_ptr<Caster>> whole = file->asset->make_caster(command.method);
+  if (!whole) return Failure{whole.error(), "--method"};
+  std::optional<ClippedCaster> clipped;
+  if (plan.clip) clipped.emplace(**whole, plan.clip->normal, plan.clip->distance);
+  const Caster& caster = clipped ? static_cast<const Caster&>(*clipped) : **whole;
+  Result<RenderResult> rendered = render(caster, plan.options, &progress);
+  plan.options.environment = nullptr;  // it ends with this call
   if (!rendered) return Failure{rendered.error(), rendered.error().code == ErrorCode::kUsage ? "camera" : ""};
   if (progress.cancelled()) return Failure{Error{ErrorCode::kCancelled, "interrupted"}, {}};
   picture = std::move(*rendered);
-  return write_pictures(command, options, picture);
+  return write_pictures(command, picture);
 }
 
 }  // namespace
@@ -110,10 +157,12 @@ std::optional<Failure> render_file(const RenderCommand& command, const Progress&
 int run_render(const RenderCommand& command) {
   const Console console(command.common);
   ProgressBar bar(!console.quiet());
+  RenderPlan plan;
   RenderResult picture;
-  const std::optional<Failure> failure = render_file(command, bar.progress(), picture);
+  const std::optional<Failure> failure = render_file(command, bar.progress(), plan, picture);
   bar.finish();
   if (failure) return console.fail(failure->error, failure->subject);
+  for (const Warning& warning : plan.warnings) console.warn(command.output, warning.text);
   const double rate = picture.seconds > 0 ? double(picture.rays) / picture.seconds : 0;
   if (console.json()) {
     nlohmann::ordered_json json;
@@ -125,6 +174,9 @@ int run_render(const RenderCommand& command) {
     json["rays_per_second"] = rate;
     json["method"] = command.method;
     json["mode"] = command.mode;
+    json["warnings"] = nlohmann::ordered_json::array();
+    for (const Warning& warning : plan.warnings)
+      json["warnings"].push_back({{"id", warning.id}, {"text", warning.text}});
     return console.finish(json_text(json));
   }
   if (console.quiet()) return kExitDone;

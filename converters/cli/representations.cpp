@@ -4,48 +4,13 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "converters/cli/cell_object_asset.h"
 #include "converters/cli/commands.h"
-#include "format/cell_object_io.h"
 #include "format/fourcc.h"
 #include "format/representation.h"
-#include "sdk/trace/cell_object_caster.h"
 
 namespace mesocell {
 namespace {
-
-class CellObjectAsset final : public Asset {
- public:
-  explicit CellObjectAsset(CellObject object) : object_(std::move(object)) {}
-
-  void describe(nlohmann::ordered_json& info) const override {
-    const InstanceCounts counts = count_instances(object_.membership);
-    info["tiles"] = object_.grid.tiles;
-    info["tile_resolution"] = object_.tile.resolution;
-    info["cells"] = object_.tile.cell_count;
-    info["instances"]["inside"] = counts.inside;
-    info["instances"]["outside"] = counts.outside;
-    info["instances"]["intersected"] = counts.intersected;
-    info["object_box"]["min"] = object_.grid.box_min;
-    info["object_box"]["max"] = object_.box_max();
-    info["voxel_edge"] = object_.grid.voxel_edge;
-    info["rule"] = object_.membership.rule == MembershipRule::kCentre ? "centre" : "conservative";
-    info["metadata"] = nlohmann::ordered_json::object();
-    for (const auto& [key, value] : object_.metadata) info["metadata"][key] = value;
-  }
-
-  Result<std::unique_ptr<Caster>> make_caster(std::string_view method) const override {
-    return make_cell_object_caster(object_, method);
-  }
-
- private:
-  CellObject object_;
-};
-
-Result<std::unique_ptr<Asset>> load_cell_object(const Container& container, const ReadLimits& limits) {
-  Result<CellObject> object = decode_cell_object(container, limits);
-  if (!object) return object.error();
-  return std::unique_ptr<Asset>(std::make_unique<CellObjectAsset>(std::move(*object)));
-}
 
 /// What the command knows of a representation. Another representation is one more row.
 struct Row {

@@ -14,11 +14,6 @@
 
 namespace mesocell {
 
-/// The rules of membership by the names that the command knows them by. [spec 4.3]
-[[nodiscard]] std::optional<MembershipRule> find_rule(std::string_view name);
-[[nodiscard]] std::string rule_name(MembershipRule rule);
-[[nodiscard]] std::string rule_names();
-
 /// An asset in memory, of whatever representation.
 class Asset {
  public:
@@ -26,6 +21,9 @@ class Asset {
 
   /// Adds what `info` tells of this representation.
   virtual void describe(nlohmann::ordered_json& info) const = 0;
+  /// Adds what `compare` tells of this asset and another of the same representation, and to the array
+  /// result["differences"] the name of every part that differs.
+  virtual void compare(const Asset& other, nlohmann::ordered_json& result) const = 0;
   /// Errors: kUsage (the representation has no such method).
   [[nodiscard]] virtual Result<std::unique_ptr<Caster>> make_caster(std::string_view method) const = 0;
 };

@@ -20,7 +20,9 @@ template <std::size_t N>
   const Error error{ErrorCode::kUsage,
                     "'" + std::string(text) + "' is not " + std::to_string(N) +
                         " finite numbers with commas between them; write for example 1,0.5,-2" +
-                        (N == 6 ? ",3,2.5,0" : "")};
+                        (N == 6   ? ",3,2.5,0"
+                         : N == 4 ? ",0.5"
+                                  : "")};
   std::array<double, N> values{};
   std::string_view rest = text;
   for (std::size_t i = 0; i < N; ++i) {

@@ -9,8 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "converters/export/image_module.h"
-#include "converters/export/module_loader.h"
+#include "converters/export/image_module_access.h"
 #include "format/file.h"
 
 namespace mesocell {
@@ -53,25 +52,6 @@ std::vector<std::uint8_t> encode_bytes(const ImageView& image) {
     bytes[i] =
         image.channels[i % channels] == "A" ? encode_linear(image.pixels[i]) : encode_srgb(image.pixels[i]);
   return bytes;
-}
-
-struct ImageModule {
-  MesocellWriteImage write;
-};
-
-const Result<ImageModule>& image_module() {
-  static const Result<ImageModule> loaded = []() -> Result<ImageModule> {
-    const Result<void*> module = load_module("mesocell_image");
-    if (!module) return module.error();
-    const auto version =
-        reinterpret_cast<MesocellImageModuleVersion>(find_function(*module, "mesocell_image_module_version"));
-    const auto write = reinterpret_cast<MesocellWriteImage>(find_function(*module, "mesocell_write_image"));
-    if (!version || !write || version() != MESOCELL_IMAGE_MODULE_VERSION)
-      return Error{ErrorCode::kOutput,
-                   "the image module is of another version; install the one of this program"};
-    return ImageModule{write};
-  }();
-  return loaded;
 }
 
 }  // namespace

@@ -26,7 +26,30 @@ struct MesocellImage {
 /// nothing.
 typedef int (*MesocellWriteImage)(const MesocellImage* image, char* message, size_t message_bytes);
 
+/// What a picture's file says of it, before its pixels are read.
+struct MesocellImageHeader {
+  uint32_t width, height, channel_count;
+  uint32_t srgb;  ///< 1: values are in sRGB, not linear
+  const char* const* channel_names;
+};
+
+/// Returns room for width × height × channel_count floats, or null to refuse the picture. Throws nothing.
+typedef float* (*MesocellMakeRoom)(void* context, const MesocellImageHeader* header);
+
+enum MesocellReadStatus : int {
+  kMesocellReadDone = 0,
+  kMesocellReadFailed = 1,   ///< `message` says why
+  kMesocellReadRefused = 2,  ///< make_room returned null, or a tile of the picture is over `max_bytes`
+};
+
+/// Reads a picture of a given format ("png", "openexr", "hdr") and no other, as floats: integers from 0 to
+/// 1, alpha as it is in the file. Nothing of the pixels' size is allocated before make_room is asked. Returns
+/// a MesocellReadStatus, a message as above. Throws nothing.
+typedef int (*MesocellReadImage)(const char* path, const char* format, uint64_t max_bytes,
+                                 MesocellMakeRoom make_room, void* context, char* message,
+                                 size_t message_bytes);
+
 /// Changes whenever this header does; a module of another version is not used.
-#define MESOCELL_IMAGE_MODULE_VERSION 1u
+#define MESOCELL_IMAGE_MODULE_VERSION 2u
 typedef uint32_t (*MesocellImageModuleVersion)(void);
 }

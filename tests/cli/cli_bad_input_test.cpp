@@ -114,6 +114,11 @@ TEST_CASE("options that make no sense end with 2, limits with 5") {
   for (const char* tile : {"voronoi:resolution=0", "voronoi:cells=0", "marble", "voronoi:cells=8,", ""})
     check_refused(folder, box, 2, {"--tile", tile});
   for (const char* tiles : {"0", "-1", "2.5", "many"}) check_refused(folder, box, 2, {"--tiles", tiles});
+  for (const char* rule : {"center", "", "centre,conservative"})
+    check_refused(folder, box, 2, {"--rule", rule});
+  for (const char* color :
+       {"", "mauve", "marble:resolution=0", "marble:hue=3", "cells:resolution=8", "wood:"})
+    check_refused(folder, box, 2, {"--color", color});
   check_refused(folder, box, 5, {"--tiles", "1000000"});
   check_refused(folder, box, 5, {"--tiles", "99999999999"});
   for (const char* box_text :

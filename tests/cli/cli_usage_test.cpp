@@ -14,7 +14,7 @@ TEST_CASE("every subcommand has a help text with an example") {
   CHECK(all.exit == 0);
   CHECK(all.err.empty());
   CHECK(all.out.find("130") != std::string::npos);
-  for (const std::string name : {"convert", "info", "validate", "render"}) {
+  for (const std::string name : {"convert", "info", "validate", "render", "compare"}) {
     CHECK(all.out.find("  " + name) != std::string::npos);
     const Run run = run_command({name, "--help"});
     INFO(name);
@@ -26,6 +26,7 @@ TEST_CASE("every subcommand has a help text with an example") {
       CHECK(run.out.find(option) != std::string::npos);
   }
   CHECK(run_command({"convert", "--help"}).out.find("spheres") != std::string::npos);
+  CHECK(run_command({"convert", "--help"}).out.find("marble") != std::string::npos);
 }
 
 TEST_CASE("the versions of library and format are told") {
@@ -50,6 +51,14 @@ TEST_CASE("wrong usage ends with 2 and one message") {
                                              {"validate", "--bogus"},
                                              {"render", "a.meso"},
                                              {"render", "a.meso", "b.png", "--threads", "x"},
+                                             {"compare", "a.meso"},
+                                             {"compare", "a.meso", "b.png"},
+                                             {"compare", "a.png", "b.meso"},
+                                             {"compare", "a.bmp", "b.bmp"},
+                                             {"compare", "a.png", "b.png", "c.png"},
+                                             {"compare", "a.png", "b.png", "--tolerance", "-0.1"},
+                                             {"compare", "a.png", "b.png", "--tolerance", "1.5"},
+                                             {"compare", "a.png", "b.png", "--tolerance", "nan"},
                                              {"--bogus"}}) {
     const Run run = run_command(words);
     INFO((words.empty() ? "" : words.back()) << ": " << run.err);

@@ -1,0 +1,182 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "converters/cli/commands.h"
+#include "converters/cli/representations.h"
+#include "converters/export/image_reader.h"
+
+namespace mesocell {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Failure {
+  Error error;
+  std::string subject;
+};
+
+/// Differences over all channels of all pixels.
+struct Figures {
+  double max = 0, mean = 0, rmse = 0;
+  /// dB, of a peak of 1; infinite for equal pictures.
+  [[nodiscard]] double psnr() const { return -20 * std::log10(rmse); }
+};
+
+/// What is infinite, or not a number, on both sides is equal.
+double difference(float a, float b) {
+  if (a == b || (std::isnan(a) && std::isnan(b))) return 0;
+  const double d = std::abs(double{a} - double{b});
+  return std::isnan(d) ? std::numeric_limits<double>::infinity() : d;
+}
+
+/// `of_b`: for each channel of `a` the one of `b` of the same name.
+Figures compare_values(const Image& a, const Image& b, const std::vector<std::size_t>& of_b) {
+  Figures figures;
+  const std::size_t channels = a.channels.size();
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); i += channels)
+    for (std::size_t c = 0; c < channels; ++c) {
+      const double d = difference(a.pixels[i + c], b.pixels[i + of_b[c]]);
+      figures.max = std::max(figures.max, d);
+      sum += d;
+      squares += d * d;
+    }
+  figures.mean = sum / double(a.pixels.size());
+  figures.rmse = std::sqrt(squares / double(a.pixels.size()));
+  return figures;
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Result<std::vector<std::size_t>> match_channels(const Image& a, const Image& b) {
+  const auto names = [](const Image& image) {
+    std::string text;
+    for (const std::string& name : image.channels) text += (text.empty() ? "" : ", ") + name;
+    return text;
+  };
+  std::vector<std::size_t> of_b;
+  for (const std::string& name : a.channels)
+    if (const auto channel = find_channel(b, name)) of_b.push_back(*channel);
+  if (of_b.size() == a.channels.size() && of_b.size() == b.channels.size()) return of_b;
+  return Error{ErrorCode::kInvalidInput, "the channels differ: " + names(a) + " and " + names(b)};
+}
+
+std::string size_text(const Image& image) {
+  return std::to_string(image.width) + " x " + std::to_string(image.height);
+}
+
+/// The result for --json, with all its keys, and its text.
+struct Comparison {
+  Json json;
+  std::string text;
+};
+
+Comparison compare_images(Image a, Image b, double tolerance) {
+  if (a.encoding != b.encoding) {
+    to_linear(a);
+    to_linear(b);
+  }
+  Comparison result;
+  Json& json = result.json;
+  json = {{"kind", "picture"},      {"equal", false},     {"differences", Json::array()},
+          {"width", a.width},       {"height", a.height}, {"channels", a.channels},
+          {"tolerance", tolerance}, {"max", nullptr},     {"mean", nullptr},
+          {"rmse", nullptr},        {"psnr", nullptr}};
+  if (a.width != b.width || a.height != b.height) {
+    json["differences"].push_back("size");
+    result.text = "the sizes differ: " + size_text(a) + " and " + size_text(b) + "\n";
+    return result;
+  }
+  const Result<std::vector<std::size_t>> of_b = match_channels(a, b);
+  if (!of_b) {
+    json["differences"].push_back("channels");
+    result.text = of_b.error().message + "\n";
+    return result;
+  }
+  const Figures figures = compare_values(a, b, *of_b);
+  const bool equal = figures.max <= tolerance;
+  if (!equal) json["differences"].push_back("values");
+  json["equal"] = equal;
+  json["max"] = number(figures.max);
+  json["mean"] = number(figures.mean);
+  json["rmse"] = number(figures.rmse);
+  json["psnr"] = number(figures.psnr());
+  char text[256];
+  std::snprintf(text, sizeof text, "max %.6g, mean %.6g, RMSE %.6g, PSNR %.2f dB; %s the tolerance of %g\n",
+                figures.max, figures.mean, figures.rmse, figures.psnr(), equal ? "within" : "over",
+                tolerance);
+  result.text = text;
+  return result;
+}
+
+Comparison compare_assets(const AssetFile& a, const AssetFile& b) {
+  Comparison result;
+  Json& json = result.json;
+  json = {{"kind", "asset"}, {"equal", false}, {"differences", Json::array()}};
+  if (a.representation != b.representation) {
+    json["differences"].push_back("representation");
+  } else {
+    a.asset->compare(*b.asset, json);
+  }
+  json["equal"] = json["differences"].empty();
+  if (json["equal"]) {
+    result.text = "the assets are equal\n";
+    return result;
+  }
+  result.text = "the assets differ\n";
+  for (const auto& [key, value] : json.items())
+    if (key != "kind" && key != "equal")
+      result.text +=
+          "  " + key + " " + printable(value.dump(-1, ' ', false, Json::error_handler_t::replace)) + "\n";
+  return result;
+}
+
+std::optional<Failure> compare(const CompareCommand& command, Comparison& result) {
+  const bool assets = has_extension(command.a, ".meso");
+  for (const std::string& path : {command.a, command.b}) {
+    if (!has_extension(path, ".meso") && !is_readable_image(path))
+      return Failure{
+          Error{ErrorCode::kUsage, std::string("it is neither .meso nor a picture; use ") + kReadableImages},
+          path};
+    if (has_extension(path, ".meso") != assets)
+      return Failure{
+          Error{ErrorCode::kUsage, "an asset cannot be compared with a picture; name two of a kind"}, path};
+  }
+  const double tolerance = command.tolerance.value_or(0);
+  if (!(tolerance >= 0 && tolerance <= 1))
+    return Failure{Error{ErrorCode::kUsage, "the tolerance must be from 0 to 1"}, "--tolerance"};
+  if (assets) {
+    const Result<AssetFile> a = read_asset_file(command.a);
+    if (!a) return Failure{a.error(), command.a};
+    const Result<AssetFile> b = read_asset_file(command.b);
+    if (!b) return Failure{b.error(), command.b};
+    result = compare_assets(*a, *b);
+    return std::nullopt;
+  }
+  Result<Image> a = read_image_file(command.a);
+  if (!a) return Failure{a.error(), command.a};
+  Result<Image> b = read_image_file(command.b);
+  if (!b) return Failure{b.error(), command.b};
+  result = compare_images(std::move(*a), std::move(*b), tolerance);
+  return std::nullopt;
+}
+
+}  // namespace
+
+int run_compare(const CompareCommand& command) {
+  const Console console(command.common);
+  Comparison result;
+  if (const std::optional<Failure> failure = compare(command, result))
+    return console.fail(failure->error, failure->subject);
+  if (command.tolerance && result.json["kind"] == "asset")
+    console.warn("--tolerance", "it has no effect on assets; it is for pictures");
+  const int code = result.json["equal"] ? kExitDone : kExitCheckFailed;
+  if (console.json()) return console.finish(json_text(result.json), code);
+  if (console.quiet() && code == kExitDone) return code;
+  return console.finish(printable(command.a) + ", " + printable(command.b) + ": " + result.text, code);
+}
+
+}  // namespace mesocell

@@ -1,0 +1,23 @@
+#include "converters/export/image_module_access.h"
+
+#include "converters/export/module_loader.h"
+
+namespace mesocell {
+
+const Result<ImageModule>& image_module() {
+  static const Result<ImageModule> loaded = []() -> Result<ImageModule> {
+    const Result<void*> module = load_module("mesocell_image");
+    if (!module) return module.error();
+    const auto version =
+        reinterpret_cast<MesocellImageModuleVersion>(find_function(*module, "mesocell_image_module_version"));
+    const auto write = reinterpret_cast<MesocellWriteImage>(find_function(*module, "mesocell_write_image"));
+    const auto read = reinterpret_cast<MesocellReadImage>(find_function(*module, "mesocell_read_image"));
+    if (!version || !write || !read || version() != MESOCELL_IMAGE_MODULE_VERSION)
+      return Error{ErrorCode::kOutput,
+                   "the image module is of another version; install the one of this program"};
+    return ImageModule{write, read};
+  }();
+  return loaded;
+}
+
+}  // namespace mesocell

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "converters/export/image_module.h"
+#include "format/result.h"
+
+namespace mesocell {
+
+/// The functions of the image module.
+struct ImageModule {
+  MesocellWriteImage write;
+  MesocellReadImage read;
+};
+
+/// Loads the module when it is first asked for. Errors: kOutput.
+[[nodiscard]] const Result<ImageModule>& image_module();
+
+}  // namespace mesocell

@@ -1,0 +1,126 @@
+#include "converters/export/image_reader.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <new>
+
+#include "converters/export/image_module_access.h"
+
+namespace mesocell {
+namespace {
+
+struct Format {
+  std::string_view extension;
+  const char* name;  ///< the image library's
+};
+
+constexpr std::array<Format, 3> kFormats = {{{".png", "png"}, {".exr", "openexr"}, {".hdr", "hdr"}}};
+
+const Format* find_format(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  for (const Format& format : kFormats)
+    if (format.extension == extension) return &format;
+  return nullptr;
+}
+
+/// The library's words for a file that is not there are not ours, and it would wait for a pipe.
+Status check_file(const std::string& path, std::uint64_t max_bytes) {
+  const auto unreadable = [](const std::string& text) {
+    return Error{ErrorCode::kUnreadable, text + "; check its name and permissions"};
+  };
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0) return unreadable(std::strerror(errno));
+  if (!S_ISREG(info.st_mode)) return unreadable("it is not a file");
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!file) return unreadable(std::strerror(errno));
+  if (std::uint64_t(info.st_size) > max_bytes)
+    return Error{ErrorCode::kLimit, "the picture's file is over the limit of " + std::to_string(max_bytes) +
+                                        " bytes; use a smaller one"};
+  return {};
+}
+
+struct Room {
+  const ImageReadLimits* limits;
+  Image image;
+  std::string refusal;
+};
+
+/// Makes room for the pixels if the limits allow it. No exception may pass through the module.
+float* make_room(void* context, const MesocellImageHeader* header) {
+  Room& room = *static_cast<Room*>(context);
+  try {
+    const std::uint64_t pixels = std::uint64_t{header->width} * header->height;
+    if (header->channel_count > room.limits->max_channels ||
+        pixels > room.limits->max_pixel_bytes / sizeof(float) / header->channel_count) {
+      room.refusal = std::to_string(header->width) + " x " + std::to_string(header->height) + " pixels of " +
+                     std::to_string(header->channel_count) + " channels are over the limit of " +
+                     std::to_string(room.limits->max_pixel_bytes) + " bytes or " +
+                     std::to_string(room.limits->max_channels) + " channels; use a smaller picture";
+      return nullptr;
+    }
+    room.image.width = header->width;
+    room.image.height = header->height;
+    room.image.channels.assign(header->channel_names, header->channel_names + header->channel_count);
+    room.image.encoding = header->srgb ? ImageEncoding::kSrgb : ImageEncoding::kLinear;
+    room.image.pixels.resize(std::size_t(pixels) * header->channel_count);
+    return room.image.pixels.data();
+  } catch (const std::exception&) {
+    return nullptr;
+  }
+}
+
+float decode_srgb(float encoded) {
+  const double x = encoded;
+  return float(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
+}
+
+}  // namespace
+
+bool is_readable_image(const std::string& path) { return find_format(path) != nullptr; }
+
+Result<Image> read_image_file(const std::string& path, const ImageReadLimits& limits) {
+  const Format* format = find_format(path);
+  if (!format)
+    return Error{
+        ErrorCode::kUsage,
+        std::string("its extension is not one of a picture that can be read; use ") + kReadableImages};
+  if (Status status = check_file(path, limits.max_file_bytes); !status) return status.error();
+  const Result<ImageModule>& module = image_module();
+  if (!module) return Error{ErrorCode::kUnreadable, module.error().message};
+  Room room{&limits, {}, "there is not enough memory to read the picture; use a smaller one"};
+  std::array<char, 512> message{};
+  const int status = module->read(path.c_str(), format->name, limits.max_pixel_bytes, make_room, &room,
+                                  message.data(), message.size());
+  if (status == kMesocellReadRefused) return Error{ErrorCode::kLimit, room.refusal};
+  if (status != kMesocellReadDone)
+    return Error{ErrorCode::kInvalidInput, std::string("it cannot be read as ") +
+                                               std::string(format->extension) + " (" + message.data() +
+                                               "); check that it is whole"};
+  return std::move(room.image);
+}
+
+std::optional<std::size_t> find_channel(const Image& image, std::string_view name) {
+  for (std::size_t c = 0; c < image.channels.size(); ++c)
+    if (image.channels[c] == name) return c;
+  return std::nullopt;
+}
+
+void to_linear(Image& image) {
+  if (image.encoding == ImageEncoding::kLinear) return;
+  const std::size_t channels = image.channels.size();
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    if (image.channels[i % channels] != "A") image.pixels[i] = decode_srgb(image.pixels[i]);
+  image.encoding = ImageEncoding::kLinear;
+}
+
+}  // namespace mesocell

@@ -1,0 +1,117 @@
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/cli/picture_scene.h"
+#include "tests/support/catch.h"
+
+using namespace mesocell;
+using namespace mesocell::test;
+using nlohmann::json;
+
+namespace {
+
+json info_of(const std::string& path) {
+  const Run run = run_command({"info", path, "--json"});
+  REQUIRE(run.exit == 0);
+  return run.json();
+}
+
+/// Colors of the pixels that hit, each once.
+std::set<std::vector<float>> colors_of(const Scene& scene) {
+  REQUIRE(scene.render("c.exr", {"--mode", "color"}).exit == 0);
+  const Image image = read_picture(scene.folder.file("c.exr"));
+  const auto channel = [&](const char* name) {
+    REQUIRE(find_channel(image, name));
+    return *find_channel(image, name);
+  };
+  const std::size_t r = channel("color.R"), g = channel("color.G"), b = channel("color.B"),
+                    cell = channel("cell.id"), stride = image.channels.size();
+  std::set<std::vector<float>> colors;
+  for (std::size_t i = 0; i < image.pixels.size(); i += stride)
+    if (image.pixels[i + cell] > 0)
+      colors.insert({image.pixels[i + r], image.pixels[i + g], image.pixels[i + b]});
+  return colors;
+}
+
+}  // namespace
+
+TEST_CASE("the rule of membership is the one that was asked for") {
+  const Scene centre({"--rule", "centre"}), conservative({"--rule", "conservative"});
+  const json a = info_of(centre.asset), b = info_of(conservative.asset);
+  CHECK(a["rule"] == "centre");
+  CHECK(b["rule"] == "conservative");
+  CHECK(b["instances"]["inside"] < a["instances"]["inside"]);
+  CHECK(b["instances"]["intersected"] > a["instances"]["intersected"]);
+  CHECK(read_bytes(Scene().asset) == read_bytes(centre.asset));
+}
+
+TEST_CASE("an asset without a surface has white cells and no maps") {
+  const Scene scene;
+  const json info = info_of(scene.asset);
+  CHECK(info["color_resolution"].is_null());
+  CHECK(info["cell_colors"] == 0);
+  CHECK(info["instance_colors"] == 0);
+  CHECK(info["normals"] == 0);
+  CHECK(colors_of(scene) == std::set<std::vector<float>>{{1, 1, 1}});
+}
+
+TEST_CASE("a solid texture is in the file, its recipe in the metadata") {
+  const Scene scene({"--color", "marble:seed=5,resolution=24"});
+  const json info = info_of(scene.asset);
+  CHECK(info["color_resolution"] == json({24, 24, 24}));
+  CHECK(info["cell_colors"] == 0);
+  CHECK(info["metadata"]["color"] == "marble:resolution=24,seed=5");
+  CHECK(info["metadata"]["tile"] == "voronoi:cells=8,resolution=16,seed=1");
+  CHECK(run_command({"validate", scene.asset}).exit == 0);
+  CHECK(colors_of(scene).size() > 50);
+  const Run text = run_command({"info", scene.asset});
+  CHECK(text.out.find("[24, 24, 24]") != std::string::npos);
+}
+
+TEST_CASE("a color for each cell") {
+  const Scene scene({"--color", "cells:seed=2"});
+  const json info = info_of(scene.asset);
+  CHECK(info["color_resolution"].is_null());
+  CHECK(info["cell_colors"] == 8);
+  CHECK(info["metadata"]["color"] == "cells:seed=2");
+  CHECK(run_command({"validate", scene.asset}).exit == 0);
+  const std::set<std::vector<float>> colors = colors_of(scene);
+  CHECK(colors.size() > 3);
+  CHECK(colors.size() <= 8);
+}
+
+TEST_CASE("normals are stored on demand and are of length 1 in a picture") {
+  const Scene plain, smooth({"--normals"});
+  const json info = info_of(smooth.asset);
+  CHECK(info["normals"] > 100);
+  CHECK(info["normals"] <= 16 * 16 * 16);
+  CHECK(run_command({"validate", smooth.asset}).exit == 0);
+  REQUIRE(smooth.render("n.exr", {"--mode", "normal"}).exit == 0);
+  const Image image = read_picture(smooth.folder.file("n.exr"));
+  const std::size_t stride = image.channels.size();
+  const std::size_t x = find_channel(image, "normal.X").value(), y = find_channel(image, "normal.Y").value(),
+                    z = find_channel(image, "normal.Z").value(),
+                    cell = find_channel(image, "cell.id").value();
+  std::size_t hits = 0;
+  for (std::size_t i = 0; i < image.pixels.size(); i += stride) {
+    const double nx = image.pixels[i + x], ny = image.pixels[i + y], nz = image.pixels[i + z];
+    const bool hit = image.pixels[i + cell] > 0;
+    hits += hit;
+    REQUIRE(nx * nx + ny * ny + nz * nz == Approx(hit ? 1 : 0).margin(1e-5));
+  }
+  CHECK(hits > 100);
+}
+
+TEST_CASE("making the surface is measured, and does not depend on threads") {
+  const Scene one({"--color", "stone", "--normals", "--threads", "1"});
+  const Scene two({"--color", "stone", "--normals", "--threads", "2"});
+  CHECK(read_bytes(one.asset) == read_bytes(two.asset));
+  const Run run = run_command({"convert", one.folder.file("ball.off"), one.folder.file("o.meso"), "--tiles",
+                               "8", "--tile", "voronoi:cells=8,resolution=16,seed=1", "--color", "stone",
+                               "--normals", "--json"});
+  REQUIRE(run.exit == 0);
+  CHECK(run.json()["seconds"]["surface"] > 0.0005);  // 64³ sums of noise, and 3000 gradients
+  CHECK(run.json()["normals"] > 100);
+  CHECK(read_bytes(one.folder.file("o.meso")) == read_bytes(one.asset));
+}
