@@ -7,7 +7,7 @@
 
 namespace mesocell {
 
-/// Exact tracing: the first voxel that the ray visits which is of an INSIDE instance. [spec 5.1] Steps over
+/// Exact tracing: the first voxel that the ray visits which is of an INSIDE instance. [spec 4.9] Steps over
 /// empty tiles, over instances that are not INSIDE and over empty space are as large as is known to be safe.
 [[nodiscard]] std::unique_ptr<Caster> make_exact_caster(const CellObject& object);
 

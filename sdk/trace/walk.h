@@ -6,7 +6,7 @@
 
 #include "sdk/core/ray.h"
 
-/// Exact steps of a ray through a grid of unit voxels. [spec 5.1]
+/// Exact steps of a ray through a grid of unit voxels. [spec 4.9]
 ///
 /// A ray visits voxel v if some t ≥ 0 has origin + t·direction in [v, v + 1) on every axis. Where the ray
 /// meets a plane between voxels is a quotient of doubles; which of two planes it meets first is decided from

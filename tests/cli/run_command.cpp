@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <pty.h>
 #include <signal.h>
+#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -66,15 +67,21 @@ Run run_program(const std::string& program, const std::vector<std::string>& argu
   std::vector<char*> words = {const_cast<char*>(program.c_str())};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
-  const pid_t child = fork();
-  if (child < 0) std::abort();
-  if (child == 0) {
-    dup2(streams.out, STDOUT_FILENO);
-    dup2(streams.err, STDERR_FILENO);
-    for (const std::string& variable : options.environment) putenv(const_cast<char*>(variable.c_str()));
-    execv(program.c_str(), words.data());
-    _exit(127);
-  }
+  // Of two values of a name the first one counts.
+  std::vector<char*> environment;
+  for (const std::string& variable : options.environment)
+    environment.push_back(const_cast<char*>(variable.c_str()));
+  for (char** variable = environ; *variable; ++variable) environment.push_back(*variable);
+  environment.push_back(nullptr);
+  // Not fork(): a library of pictures in this process has threads, whose locks a child would inherit.
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, streams.out, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, streams.err, STDERR_FILENO);
+  pid_t child = -1;
+  const int error = posix_spawn(&child, program.c_str(), &actions, nullptr, words.data(), environment.data());
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) std::abort();
   close(streams.out);
   close(streams.err);
   Run run;

@@ -9,7 +9,7 @@
 #include "format/cell_object.h"
 #include "sdk/trace/walk.h"
 
-/// The definition of the exact hit [spec 5.1], evaluated without rounding. Slow and obvious: every time at
+/// The definition of the exact hit [spec 4.9], evaluated without rounding. Slow and obvious: every time at
 /// which the ray meets a plane between voxels, and a time between each two, says which voxels it visits.
 namespace mesocell::test {
 
