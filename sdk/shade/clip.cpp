@@ -25,7 +25,10 @@ bool ClippedCaster::first_hit(const Ray& ray, Hit& hit) const {
   const Ray rest{ray.origin + ray.direction * begin, ray.direction};
   if (!caster_.first_hit(rest, hit)) return false;
   // A ray that enters the kept side within the object hits the cut.
-  if (hit.t == 0 && begin > 0) hit.face_normal = normal_;
+  if (hit.t == 0 && begin > 0) {
+    hit.face_normal = normal_;
+    hit.on_cut = true;
+  }
   hit.t += begin;
   return hit.t < end;
 }
@@ -43,6 +46,7 @@ bool ClippedCaster::first_exit(const Ray& ray, Hit& hit) const {
   }
   hit.t = end;
   hit.face_normal = normal_;
+  hit.on_cut = true;
   return true;
 }
 
@@ -51,9 +55,7 @@ bool ClippedCaster::inside(Vec3 point) const {
 }
 
 Vec3 ClippedCaster::shading_normal(const Hit& hit) const {
-  // Faces of the object are along its axes or where the ray met them; the cut's normal is this one exactly.
-  if (hit.face_normal == normal_) return normal_;
-  return caster_.shading_normal(hit);
+  return hit.on_cut ? normal_ : caster_.shading_normal(hit);
 }
 
 }  // namespace mesocell

@@ -14,8 +14,9 @@ struct Hit {
   std::uint32_t label = 0;    ///< what was hit: of a cell object the cell, from 1
   std::int64_t instance = 0;  ///< which copy of it: of a cell object the index of the home tile
   std::array<std::int64_t, 3>
-      element{};     ///< the smallest part that was hit: of a cell object the grid's voxel
-  Vec3 face_normal;  ///< unit normal of the face entered; zero if the ray began inside
+      element{};        ///< the smallest part that was hit: of a cell object the grid's voxel
+  Vec3 face_normal;     ///< unit normal of the face entered; zero if the ray began inside
+  bool on_cut = false;  ///< on a plane that the object is cut by, whose normal face_normal then is
 };
 
 /// One representation, prepared for one method of tracing. Thread safety: all calls are const and reentrant.

@@ -122,6 +122,7 @@ void CellScene::set_hit(const WalkRay& ray, const WalkPlace& place, Hit& hit) co
       std::int64_t(tile_index({tile[0] + piece.home[0], tile[1] + piece.home[1], tile[2] + piece.home[2]}));
   hit.element = place.voxel;
   hit.face_normal = {};
+  hit.on_cut = false;
   if (place.entry_axis >= 0) {
     const std::size_t a = std::size_t(place.entry_axis);
     hit.face_normal[a] = ray.rises(a) ? -1 : 1;

@@ -211,6 +211,18 @@ TEST_CASE("a clip plane shows the inside, with its own normal") {
   CHECK(length(hit.face_normal - n) < 1e-12);
 }
 
+TEST_CASE("a clip plane that cuts nothing changes nothing, though faces are parallel to it") {
+  const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=16"));
+  const CellObject object = *author_cell_object(make_sphere({0, 0, 0}, 1, 20), tile, {.grid = {.tiles = 6}});
+  const auto caster = make_exact_caster(object);
+  const ClippedCaster clipped(*caster, {0, 0, 1}, 5);
+  RenderOptions options{.mode = RenderMode::kNormal, .width = 100, .height = 100};
+  const Result<RenderResult> whole = render(*caster, options), cut = render(clipped, options);
+  CHECK(whole->hits > 1000);
+  CHECK(whole->depth == cut->depth);
+  CHECK(whole->normal == cut->normal);
+}
+
 TEST_CASE("a ray leaves the object at the first voxel that is not inside, exactly") {
   Rng rng(8);
   const CellObject object = random_object(rng, "voronoi:cells=4,resolution=8,seed=1", {3, 3, 3}, 0.7);
