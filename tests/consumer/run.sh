@@ -32,12 +32,14 @@ fi
 # An installation knows no path, so it can be moved.
 prefix=$work/moved
 mv "$work/installed" "$prefix"
-libdir=$(dirname "$(find "$prefix" -name 'libmesocell_format.*' | head -1)")
+# No pipe into `grep -q` or `head` in this script: they leave early, the writer then dies of SIGPIPE, and pipefail makes
+# that a failure, now and then.
+libdir=$(find "$prefix" -name 'libmesocell_format.*' -printf '%h' -quit)
 [ -f "$libdir/libmesocell_format.a" ] && shared=no || shared=yes
 [ -d "$prefix/include/mesocell/sdk/author" ] && authoring=yes || authoring=no
 
 say "checking what is installed: authoring $authoring, shared $shared"
-find "$prefix" -path '*/doc/*' -name LICENSE | grep -q . || fail "the licence is not installed"
+[ -n "$(find "$prefix" -path '*/doc/*' -name LICENSE)" ] || fail "the licence is not installed"
 # `a && b` with a test that finds nothing would end the script, so the other way round.
 ! grep -rlIF -e "$source" -e "$build" -e "$work" "$prefix" || fail "the files above name a folder of the build"
 if [ "$authoring" = no ]; then
@@ -91,7 +93,8 @@ run_samples() (
   cd "$1"
   check_links ./loader_alone "$authoring_only|libmesocell_(format|core|trace)"
   check_links ./load_and_cast "$authoring_only"
-  [ "$shared" = no ] || ldd ./load_and_cast | grep -q "$libdir/libmesocell_trace.so" || fail "it does not use the shared library"
+  [ "$shared" = no ] || grep -q "$libdir/libmesocell_trace.so" <<<"$(ldd ./load_and_cast)" ||
+    fail "it does not use the shared library"
   ./make_cube cube.meso || fail "make_cube"
   # From 0.5 + 2·√3 m down to the top face at 1 m.
   expected="cell 1 of tile 0 at 2.9641 m"
@@ -137,7 +140,7 @@ if [ "$authoring" = no ]; then
     'find_package(mesocell REQUIRED COMPONENTS authoring)' >"$work/missing/CMakeLists.txt"
   ! "$CMAKE" -S "$work/missing" -B "$work/missing/build" -DCMAKE_PREFIX_PATH="$prefix" >"$work/missing.log" 2>&1 ||
     fail "a component that is not installed was found"
-  tr -s '\n ' ' ' <"$work/missing.log" | grep -q "The component 'authoring' is not installed" ||
+  grep -q "The component 'authoring' is not installed" <<<"$(tr -s '\n ' ' ' <"$work/missing.log")" ||
     fail "the message does not name the missing component"
 fi
 
