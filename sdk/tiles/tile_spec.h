@@ -12,7 +12,9 @@ namespace mesocell {
 
 /// What making a tile had to report.
 struct TileReport {
-  std::uint32_t dropped_cells = 0;  ///< cells that got no voxel, left out; the rest were renumbered
+  std::uint32_t dropped_cells = 0;      ///< cells that got no voxel, left out; the rest were renumbered
+  std::uint32_t percolating_cells = 0;  ///< imported cells that met their own copy and were cut
+  std::uint64_t contested_voxels = 0;   ///< imported voxels that more than one cell claimed
 };
 
 /// Makes the tile of a recipe, such as "voronoi:cells=8,resolution=128,seed=1". Errors: kUsage (unknown
