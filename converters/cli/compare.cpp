@@ -13,11 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Failure {
-  Error error;
-  std::string subject;
-};
-
 /// Differences over all channels of all pixels.
 struct Figures {
   double max = 0, mean = 0, rmse = 0;

@@ -18,7 +18,8 @@ CellObject make_tile_sample(TileMap tile) {
   object.grid.voxel_edge = 1.0 / std::max({tile.resolution[0], tile.resolution[1], tile.resolution[2]});
   for (std::size_t a = 0; a < 3; ++a) {
     object.grid.tiles[a] = std::uint32_t(before[a] + 1 + after[a]);
-    object.grid.box_min[a] = -double(before[a]) * tile.resolution[a] * object.grid.voxel_edge;
+    // Not by negation, which would make a zero negative.
+    object.grid.box_min[a] = 0 - double(before[a]) * tile.resolution[a] * object.grid.voxel_edge;
   }
   MembershipMap& membership = object.membership;
   membership.tiles = object.grid.tiles;
