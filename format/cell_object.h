@@ -9,8 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "format/api.h"
+
 /// The maps of a cell object as they stand in memory. Their bytes are described in spec/mesocell-0.9.md.
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 using Index3 = std::array<std::uint32_t, 3>;
 
@@ -142,4 +144,4 @@ struct CellObject {
   }
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -5,12 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "format/container.h"
 #include "format/limits.h"
 #include "format/result.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// The bytes of a .meso file that holds the object. The same object gives the same bytes. [spec 4]
 /// The maps must satisfy what format/cell_object.h says of them (assert; a debug build reads the bytes back).
@@ -35,4 +36,4 @@ namespace mesocell {
                                                           const ContainerScan& scan, const ReadLimits& limits,
                                                           MemoryBudget& budget, IssueSink& sink);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -5,11 +5,12 @@
 #include <span>
 #include <vector>
 
+#include "format/api.h"
 #include "format/container_scan.h"
 #include "format/limits.h"
 #include "format/result.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// A file of chunks, opened for reading. It refers to the bytes it was opened on and does not copy them.
 /// Untrusted input: safe, all of it.
@@ -66,4 +67,4 @@ class ContainerWriter {
   bool out_of_memory_ = false;
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -8,12 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "format/api.h"
 #include "format/issue_sink.h"
 #include "format/limits.h"
 
 /// The checks of header, directory and chunk storage, written once: a reader runs them until the first fault,
 /// the validator to the end.
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 struct Representation;
 
@@ -81,4 +82,4 @@ struct ChunkPayload {
 void add_issue(IssueSink& sink, IssueId id, const ChunkPayload& chunk, std::size_t at,
                std::string detail = {});
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "format/api.h"
 #include "format/result.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// The bytes of a file, pipe or device. Errors: kUnreadable (missing, a folder, no permission, read error),
 /// kLimit (more than `max_bytes`, found before memory is taken). An empty file is no error.
@@ -55,4 +56,4 @@ class AtomicFile {
 /// signal handler or an exit path that runs no destructors.
 void remove_temporary_files() noexcept;
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "format/api.h"
 #include "format/issues.h"
 #include "format/result.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// Where the checks of a file report. A reader wants the first error and nothing after it; the validator
 /// wants all. Checks ask stopped() where going on is work in vain.
@@ -59,4 +60,4 @@ class IssueSink {
   bool capped_ = false;
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

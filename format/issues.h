@@ -7,7 +7,9 @@
 #include <string>
 #include <string_view>
 
-namespace mesocell {
+#include "format/api.h"
+
+namespace mesocell MESOCELL_API {
 
 enum class Severity : std::uint8_t {
   kError,    ///< the file is invalid, readers refuse it
@@ -118,4 +120,4 @@ struct IssueInfo {
 /// The text of spec/issues.md.
 [[nodiscard]] std::string issue_catalogue_markdown();
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

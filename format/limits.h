@@ -2,7 +2,9 @@
 
 #include <cstdint>
 
-namespace mesocell {
+#include "format/api.h"
+
+namespace mesocell MESOCELL_API {
 
 /// What a caller allows a reader to take. Every size is checked against these before memory is allocated;
 /// a well-formed file that goes beyond one is refused with ErrorCode::kLimit. [spec 6]
@@ -32,4 +34,4 @@ class MemoryBudget {
   std::uint64_t left_;
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

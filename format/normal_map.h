@@ -4,10 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 
 /// Which voxels have a normal, and how a normal stands in two bytes. [spec 4.8]
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// One byte a voxel of the tile, in storage order: 1 for a boundary voxel, that is one which is not empty and
 /// has one of 26 neighbours, around the torus, that is empty or of another instance; else 0. [spec 4.8]
@@ -31,4 +32,4 @@ inline constexpr double kNormalCodeErrorDegrees = 0.645;
 /// The unit vector of a code. A byte above kMaxNormalByte, which no valid file has, is taken for that.
 [[nodiscard]] std::array<double, 3> decode_normal(std::array<std::uint8_t, 2> code);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -5,9 +5,10 @@
 #include <span>
 #include <string_view>
 
+#include "format/api.h"
 #include "format/container_scan.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// What a representation says of one of its chunks.
 struct ChunkRule {

@@ -7,7 +7,9 @@
 #include <string_view>
 #include <utility>
 
-namespace mesocell {
+#include "format/api.h"
+
+namespace mesocell MESOCELL_API {
 
 /// What kind of thing went wrong. Each maps to one exit code of the command.
 enum class ErrorCode : std::uint8_t {
@@ -86,4 +88,4 @@ class [[nodiscard]] Status {
   std::optional<Error> error_;
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -5,10 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "format/api.h"
 #include "format/issues.h"
 #include "format/limits.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// What validate() found.
 struct ValidationReport {
@@ -23,4 +24,4 @@ struct ValidationReport {
 [[nodiscard]] ValidationReport validate(std::span<const std::byte> file, const ReadLimits& limits = {},
                                         std::size_t max_issues = 256);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

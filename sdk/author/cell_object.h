@@ -6,12 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// How the grid is laid over the mesh. [spec 4.1]
 struct GridOptions {
@@ -54,4 +55,4 @@ struct AuthorReport {
                                                     AuthorReport* report = nullptr,
                                                     const Progress* progress = nullptr);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -3,13 +3,14 @@
 #include <span>
 #include <vector>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
 #include "sdk/tiles/tile_spec.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// Where a tile lies in the space of meshes that become its cells.
 struct TilePlacement {
@@ -36,4 +37,4 @@ struct TilePlacement {
                                              TileReport* report = nullptr,
                                              const Progress* progress = nullptr);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

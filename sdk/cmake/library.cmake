@@ -28,6 +28,8 @@ function(mesocell_library name component)
     INSTALL_RPATH "$ORIGIN")
   if(NOT component STREQUAL "loader")
     target_compile_features(${name} PUBLIC cxx_std_20)
+    # Installed headers export what they declare (format/api.h); the loader's functions are all public.
+    set_target_properties(${name} PROPERTIES CXX_VISIBILITY_PRESET hidden)
   endif()
   get_target_property(type ${name} TYPE)
   if(type STREQUAL "SHARED_LIBRARY" AND UNIX AND NOT APPLE)

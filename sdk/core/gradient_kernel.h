@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "format/api.h"
 #include "sdk/core/vec.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_INTERNAL_API {
 
 /// A voxel near another, and what it adds to a normal there if it is outside.
 struct KernelVoxel {

@@ -4,9 +4,10 @@
 #include <functional>
 #include <string_view>
 
+#include "format/api.h"
 #include "sdk/core/progress.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// Number of threads to use: `requested`, or the machine's if 0.
 [[nodiscard]] unsigned resolve_threads(unsigned requested);
@@ -19,4 +20,4 @@ bool parallel_for(std::size_t count, unsigned threads,
                   const std::function<void(std::size_t i, unsigned worker)>& body,
                   const Progress* progress = nullptr, std::string_view stage = {});
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -4,7 +4,9 @@
 #include <functional>
 #include <string_view>
 
-namespace mesocell {
+#include "format/api.h"
+
+namespace mesocell MESOCELL_API {
 
 /// How a long call reports and is stopped. Thread safety: `cancel` may be set from any thread or from a
 /// signal handler; `report` is called from one thread at a time, with a fraction that never falls.
@@ -15,4 +17,4 @@ struct Progress {
   [[nodiscard]] bool cancelled() const { return cancel && cancel->load(std::memory_order_relaxed); }
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

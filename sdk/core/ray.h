@@ -1,8 +1,9 @@
 #pragma once
 
+#include "format/api.h"
 #include "sdk/core/vec.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// The points origin + t·direction, t ≥ 0. The direction need not have length 1.
 struct Ray {
@@ -10,4 +11,4 @@ struct Ray {
   Vec3 direction;
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -8,11 +8,12 @@
 #include <string>
 #include <string_view>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/vec.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// What to make and how, as written on the command line: "voronoi:cells=8,resolution=128,seed=1".
 struct Recipe {
@@ -52,4 +53,4 @@ struct Recipe {
 [[nodiscard]] Status check_options(const Recipe& recipe, std::string_view kind,
                                    std::span<const std::string_view> names);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

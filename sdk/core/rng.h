@@ -2,7 +2,9 @@
 
 #include <cstdint>
 
-namespace mesocell {
+#include "format/api.h"
+
+namespace mesocell MESOCELL_API {
 
 /// SplitMix64 [Steele, Lea, Flood 2014]: the same numbers on every machine, always from an explicit seed.
 class Rng {
@@ -27,4 +29,4 @@ class Rng {
   std::uint64_t state_;
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -4,9 +4,10 @@
 #include <cstddef>
 #include <optional>
 
+#include "format/api.h"
 #include "sdk/core/vec.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// An affine map of space: x -> linear · x + move.
 struct Transform {
@@ -29,4 +30,4 @@ struct Transform {
 /// Counter-clockwise about an axis through the origin, seen from its tip; radians. The axis is not zero.
 [[nodiscard]] Transform rotation(Vec3 axis, double angle);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

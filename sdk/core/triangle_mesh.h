@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "format/api.h"
 #include "sdk/core/vec.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// Indices of a triangle's vertices, counter-clockwise seen from outside.
 using Triangle = std::array<std::uint32_t, 3>;
@@ -27,4 +28,4 @@ struct TriangleMesh {
 /// For every vertex the first of those at the same place, which stands for them all.
 [[nodiscard]] std::vector<std::uint32_t> merge_identical_vertices(const std::vector<Vec3>& vertices);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <limits>
 
-namespace mesocell {
+#include "format/api.h"
+
+namespace mesocell MESOCELL_API {
 
 /// A point or direction in 3-space, double precision.
 struct Vec3 {
@@ -55,4 +57,4 @@ struct Box3 {
   static constexpr double kInf = std::numeric_limits<double>::infinity();
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

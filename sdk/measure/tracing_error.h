@@ -3,10 +3,11 @@
 #include <cstdint>
 #include <span>
 
+#include "format/api.h"
 #include "sdk/core/ray.h"
 #include "sdk/trace/caster.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// How one method's first hits differ from exact tracing of the same asset. Shares are of the rays that exact
 /// tracing hits.
@@ -25,4 +26,4 @@ struct TracingError {
                                                  std::span<const Ray> rays, double step,
                                                  unsigned threads = 0);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

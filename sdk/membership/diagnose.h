@@ -4,9 +4,10 @@
 #include <optional>
 #include <string>
 
+#include "format/api.h"
 #include "sdk/core/triangle_mesh.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// What can be said of a mesh's topology. Vertices at identical coordinates count as one.
 struct MeshDiagnosis {
@@ -28,4 +29,4 @@ struct MeshDiagnosis {
 /// One sentence for people: what keeps the mesh from being closed, with counts and a place.
 [[nodiscard]] std::string describe(const MeshDiagnosis& diagnosis);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -2,12 +2,13 @@
 
 #include <cstdint>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 struct MembershipOptions {
   MembershipRule rule = MembershipRule::kCentre;
@@ -32,4 +33,4 @@ struct MembershipReport {
                                                        MembershipReport* report = nullptr,
                                                        const Progress* progress = nullptr);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

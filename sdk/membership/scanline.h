@@ -4,10 +4,11 @@
 #include <span>
 #include <vector>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "sdk/core/triangle_mesh.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_INTERNAL_API {
 
 /// Voxels [begin, end) of one row along x that are inside the mesh.
 struct Interval {

@@ -3,11 +3,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "format/api.h"
 #include "format/result.h"
 #include "sdk/core/ray.h"
 #include "sdk/core/vec.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// What the user gave of a camera; the rest is chosen so that the box fills the picture.
 struct CameraOptions {
@@ -37,4 +38,4 @@ class Camera {
   double width_ = 0, height_ = 0;
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -1,8 +1,9 @@
 #pragma once
 
+#include "format/api.h"
 #include "sdk/trace/caster.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// An object cut by a plane: what is left of it satisfies normal · x ≤ distance. The cut shows the inside;
 /// its normal is the plane's. `caster` is kept by reference.
@@ -28,4 +29,4 @@ class ClippedCaster final : public Caster {
   double distance_;
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -4,9 +4,10 @@
 #include <utility>
 #include <vector>
 
+#include "format/api.h"
 #include "sdk/core/vec.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// What a ray sees that leaves the scene: one color, or a latitude-longitude picture with +y up, whose middle
 /// column is seen along -z and whose right half along +x.
@@ -32,4 +33,4 @@ class Environment {
 /// picture.
 [[nodiscard]] Environment make_sky();
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

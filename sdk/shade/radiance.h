@@ -3,11 +3,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "format/api.h"
 #include "sdk/core/rng.h"
 #include "sdk/shade/environment.h"
 #include "sdk/trace/caster.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// What the object is made of, and how it is lit.
 struct Lighting {
@@ -60,4 +61,4 @@ class Radiance {
 /// index behind; `normal` has length 1 and is against the direction, which has length 1 too.
 [[nodiscard]] std::optional<Vec3> refract(Vec3 direction, Vec3 normal, double ratio);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "format/api.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/shade/camera.h"
@@ -11,7 +12,7 @@
 #include "sdk/shade/radiance.h"
 #include "sdk/trace/caster.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 enum class RenderMode : std::uint8_t { kFirstHit, kDepth, kCell, kNormal, kColor };
 
@@ -46,4 +47,4 @@ struct RenderResult {
 [[nodiscard]] Result<RenderResult> render(const Caster& caster, const RenderOptions& options,
                                           const Progress* progress = nullptr);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

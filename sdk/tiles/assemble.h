@@ -5,9 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// What the voxels of a code belong to: image `shift` of a cell, that is, the cell moved by so many tiles.
 struct CodeOwner {
@@ -45,4 +46,4 @@ class VoxelCodes {
 [[nodiscard]] TileMap assemble_tile(const Index3& resolution, const VoxelCodes& codes,
                                     std::span<const CodeOwner> owners, unsigned threads);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

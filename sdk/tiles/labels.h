@@ -3,12 +3,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/tiles/tile_spec.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// Which cell each voxel of a tile is of, as somebody else has it: segmented scans, painted stacks of images.
 struct LabelVolume {
@@ -35,4 +36,4 @@ enum class Percolating : std::uint8_t {
                                               unsigned threads = 0, TileReport* report = nullptr,
                                               const Progress* progress = nullptr);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -3,11 +3,12 @@
 #include <array>
 #include <cstdint>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "sdk/tiles/assemble.h"
 #include "sdk/tiles/tile_spec.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// Turns "voxel v belongs to image s of cell c" into a TileMap: finds each instance's home tile, the pieces,
 /// and the narrowest ids. Image s of a cell is its seed moved by s tiles, so v - s·resolution is the voxel's
@@ -50,4 +51,4 @@ class TileBuilder {
   VoxelCodes codes_;
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -4,12 +4,13 @@
 #include <string>
 #include <string_view>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/recipe.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// What making a tile had to report.
 struct TileReport {
@@ -31,4 +32,4 @@ struct TileReport {
 /// The generators and their options, a line each, for help texts.
 [[nodiscard]] std::string tile_generators_help();
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -3,16 +3,17 @@
 #include <array>
 #include <cstdint>
 
+#include "format/api.h"
 #include "sdk/core/ray.h"
 #include "sdk/core/vec.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// Where a ray meets an object.
 struct Hit {
-  double t = 0;               ///< ray parameter; metres if the ray's direction has length 1
-  std::uint32_t label = 0;    ///< what was hit: of a cell object the cell, from 1
-  std::int64_t instance = 0;  ///< which copy of it: of a cell object the index of the home tile
+  double t = 0;                 ///< ray parameter; metres if the ray's direction has length 1
+  std::uint32_t label = 0;      ///< what was hit: of a cell object the cell, from 1
+  std::int64_t instance = 0;    ///< which copy of it: of a cell object the index of the home tile
   std::uint32_t placement = 0;  ///< which asset of a scene
   std::array<std::int64_t, 3>
       element{};        ///< the smallest part that was hit: of a cell object the grid's voxel
@@ -48,4 +49,4 @@ class Caster {
   [[nodiscard]] virtual Box3 object_box() const = 0;
 };
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -3,11 +3,12 @@
 #include <memory>
 #include <string_view>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/trace/caster.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// Prepares a cell object for a method: "exact", or "linear:S" with the step S in tile edges, written as a
 /// fraction ("linear:1/512") or a decimal. Errors: kUsage (unknown method, step not in (0, 1]).
@@ -15,4 +16,4 @@ namespace mesocell {
 [[nodiscard]] Result<std::unique_ptr<Caster>> make_cell_object_caster(const CellObject& object,
                                                                       std::string_view method);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -4,10 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// A cell object's maps as the source lays them out for a GPU: an 8-bit texture of the tile that names each
 /// voxel's split cell, and a texture of 4 × 32 bits with a texel for each tile that holds two bits for each
@@ -39,4 +40,4 @@ struct GpuMaps {
 /// Errors: kLimit if the tile has more than 64 pieces; it says how many.
 [[nodiscard]] Result<GpuMaps> make_gpu_maps(const CellObject& object);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -3,11 +3,12 @@
 #include <memory>
 #include <vector>
 
+#include "format/api.h"
 #include "format/result.h"
 #include "sdk/core/transform.h"
 #include "sdk/trace/caster.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_API {
 
 /// An asset in a scene. Many placements may share a caster, which costs them nothing but the transform.
 struct Placement {
@@ -22,4 +23,4 @@ struct Placement {
 /// of placements. Errors: kUsage (none, no caster, a transform that is singular or not finite).
 [[nodiscard]] Result<std::unique_ptr<Caster>> make_scene(std::vector<Placement> placements);
 
-}  // namespace mesocell
+}  // namespace MESOCELL_API

@@ -57,6 +57,22 @@ TEST_CASE("includes are named from the root and are there") {
   });
 }
 
+TEST_CASE("a header exports what it declares if and only if it is installed") {
+  const fs::path root = MESOCELL_SOURCE_DIR;
+  const std::string lists = read_text(root / "sdk/CMakeLists.txt") + read_text(root / "format/CMakeLists.txt");
+  int installed = 0;
+  for_each_source([&](const std::string& path, const std::string& text) {
+    if (!path.ends_with(".h") || path.starts_with("format/loader/") || path == "format/api.h") return;
+    if (!path.starts_with("format/") && !path.starts_with("sdk/")) return;
+    CAPTURE(path);
+    const bool exports = text.find("\nnamespace mesocell MESOCELL_API {") != std::string::npos;
+    const bool listed = lists.find(" " + path) != std::string::npos;
+    CHECK(exports == listed);
+    installed += listed;
+  });
+  CHECK(installed > 30);
+}
+
 TEST_CASE("planted violations are caught") {
   CHECK(broken("format/container.cpp", "#include \"sdk/core/vec.h\"\n") == 1);
   CHECK(broken("sdk/core/ray.h", "#include \"sdk/tiles/tile_spec.h\"\n") == 1);
