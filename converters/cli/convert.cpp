@@ -118,12 +118,12 @@ struct Outcome {
 
 /// Everything on the surface of the object; the metadata says what it was made of.
 std::optional<Failure> add_surface(const ConvertCommand& command, const Plan& plan, Colors colors,
-                                   const Progress& progress, CellObject& object) {
+                                   const TriangleMesh& mesh, const Progress& progress, CellObject& object) {
   object.metadata.clear();
   if (plan.color) object.metadata.emplace_back("color", to_text(*plan.color));
   object.metadata.emplace_back("tile", to_text(plan.tile));
-  object.color = std::move(colors.map);
-  object.cell_colors = std::move(colors.cells);
+  if (Status status = apply_colors(std::move(colors), mesh, object, plan.author.threads, &progress); !status)
+    return Failure{status.error(), command.input};
   if (!command.normals) return std::nullopt;
   object.normals = make_normal_map(object.tile, plan.author.threads, &progress);
   if (!object.normals) return Failure{Error{ErrorCode::kCancelled, "interrupted"}, {}};
@@ -150,7 +150,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
   // Before the longest part of the work, as the recipe may be wrong.
   Colors colors;
   if (plan.color) {
-    Result<Colors> made = make_colors(*plan.color, tile->cell_count);
+    Result<Colors> made = make_colors(*plan.color, tile->cell_count, *mesh);
     if (!made) return Failure{made.error(), "--color"};
     colors = std::move(*made);
   }
@@ -161,7 +161,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
   if (!object) return Failure{object.error(), command.input};
   outcome.seconds.voxelize = outcome.report.voxelize_seconds;
   watch.lap();
-  if (auto failure = add_surface(command, plan, std::move(colors), progress, *object)) return failure;
+  if (auto failure = add_surface(command, plan, std::move(colors), *mesh, progress, *object)) return failure;
   outcome.seconds.surface = outcome.report.surface_seconds + color_seconds + watch.lap();
   if (read_report.dropped_faces > 0)
     outcome.report.warnings.push_back(

@@ -75,7 +75,8 @@ Status check_options(const Recipe& recipe, std::string_view kind, std::span<cons
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     std::string all;
     for (const std::string_view n : names) all += (all.empty() ? "" : ", ") + std::string(n);
-    return usage(std::string(kind) + " " + recipe.name + " has no option '" + name + "'; it has: " + all);
+    return usage(std::string(kind) + " " + recipe.name + " has no option '" + name +
+                 "'; it has: " + (all.empty() ? "none" : all));
   }
   return {};
 }
