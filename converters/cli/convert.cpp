@@ -52,12 +52,14 @@ struct Outcome {
 
 /// Everything on the surface of the object; the metadata says what it was made of.
 std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertPlan& plan, SourcedTile& tile,
-                                   const Progress& progress, CellObject& object) {
+                                   const TriangleMesh& surface, const Progress& progress,
+                                   CellObject& object) {
   object.metadata.clear();
   if (!tile.color_recipe.empty()) object.metadata.emplace_back("color", tile.color_recipe);
   object.metadata.emplace_back("tile", tile.recipe);
-  object.color = std::move(tile.colors.map);
-  object.cell_colors = std::move(tile.colors.cells);
+  if (Status status = apply_colors(std::move(tile.colors), surface, object, plan.author.threads, &progress);
+      !status)
+    return Failure{status.error(), command.input};
   object.normals = std::move(tile.normals);
   if (!command.normals || object.normals) return std::nullopt;
   object.normals = make_normal_map(object.tile, plan.author.threads, &progress);
@@ -84,7 +86,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
 
   // Before the longest part of the work, as the recipe may be wrong.
   if (plan.color) {
-    Result<Colors> made = make_colors(*plan.color, tile.tile.cell_count);
+    Result<Colors> made = make_colors(*plan.color, tile.tile.cell_count, shape->surface());
     if (!made) return Failure{made.error(), "--color"};
     tile.colors = std::move(*made);
     tile.color_recipe = to_text(*plan.color);
@@ -95,7 +97,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
   if (!object) return Failure{object.error(), command.input};
   outcome.seconds.voxelize = outcome.report.voxelize_seconds;
   watch.lap();
-  if (auto failure = add_surface(command, plan, tile, progress, *object)) return failure;
+  if (auto failure = add_surface(command, plan, tile, shape->surface(), progress, *object)) return failure;
   outcome.seconds.surface = outcome.report.surface_seconds + color_seconds + watch.lap();
   outcome.report.warnings.insert(outcome.report.warnings.begin(), warnings.begin(), warnings.end());
 

@@ -19,7 +19,7 @@ class MeshShape final : public ShapeSource {
                                         const Progress& progress) const override {
     return author_cell_object(mesh_, std::move(tile), options, &report, &progress);
   }
-  [[nodiscard]] const TriangleMesh* surface() const override { return &mesh_; }
+  [[nodiscard]] const TriangleMesh& surface() const override { return mesh_; }
 
  private:
   TriangleMesh mesh_;
@@ -32,6 +32,10 @@ class TileShape final : public ShapeSource {
                                         const Progress&) const override {
     return make_tile_sample(std::move(tile));
   }
+  [[nodiscard]] const TriangleMesh& surface() const override { return none_; }
+
+ private:
+  TriangleMesh none_;
 };
 
 }  // namespace

@@ -20,8 +20,8 @@ class ShapeSource {
   /// Fills the shape with a tile. Errors: those of author_cell_object().
   [[nodiscard]] virtual Result<CellObject> fill(TileMap tile, const AuthorOptions& options,
                                                 AuthorReport& report, const Progress& progress) const = 0;
-  /// The surface of the shape, metres; null if it has none but the cells'.
-  [[nodiscard]] virtual const TriangleMesh* surface() const { return nullptr; }
+  /// The surface of the shape, metres; no triangles if it has none but the cells'.
+  [[nodiscard]] virtual const TriangleMesh& surface() const = 0;
 };
 
 /// The tile that an input shows alone, as for --tile; none if the input is a shape to be filled.

@@ -81,6 +81,7 @@ Result<TriangleMesh> combine(PlainMesh plain, LibraryMesh library) {
     mesh.vertices = std::move(plain.positions);
   }
   mesh.triangles = std::move(library.triangles);
+  mesh.colors = std::move(plain.colors);
   return mesh;
 }
 
@@ -128,6 +129,7 @@ Result<TriangleMesh> read_mesh_file(const std::string& path, const MeshReadOptio
   found.file_bytes = bytes.size();
   found.polygons = plain->polygons;
   found.dropped_faces = plain->dropped_faces;
+  found.vertex_colors = !plain->colors.empty();
   Result<LibraryMesh> library = read_with_openmesh(*plain, progress);
   if (!library) return library.error();
   plain->bytes = {};

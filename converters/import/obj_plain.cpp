@@ -1,9 +1,12 @@
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "converters/import/fan.h"
 #include "converters/import/mesh_text.h"
 #include "converters/import/plain_mesh.h"
+#include "converters/import/vertex_color.h"
 
 namespace mesocell {
 namespace {
@@ -30,6 +33,14 @@ bool next_statement(LineReader& lines, std::string& joined, std::string_view& st
   return true;
 }
 
+/// Three numbers after the position are a color, whatever comes after it; fewer are a weight.
+std::optional<Rgb8> read_color(std::string_view rest) {
+  std::array<double, 3> channels{};
+  for (double& channel : channels)
+    if (!parse_number(next_word(rest), channel)) return std::nullopt;
+  return make_color(channels, 1);
+}
+
 Result<bool> read_vertex(std::string_view rest, std::uint64_t line, PlainMesh& mesh) {
   Vec3 p;
   mesh.bytes += 'v';
@@ -42,7 +53,7 @@ Result<bool> read_vertex(std::string_view rest, std::uint64_t line, PlainMesh& m
     mesh.bytes += library_holds(p[axis]) ? word : std::string_view("0");
   }
   mesh.bytes += '\n';
-  mesh.positions.push_back(p);
+  add_vertex(mesh, p, read_color(rest));
   return true;
 }
 

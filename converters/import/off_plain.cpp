@@ -2,11 +2,13 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "converters/import/fan.h"
 #include "converters/import/mesh_text.h"
 #include "converters/import/plain_mesh.h"
+#include "converters/import/vertex_color.h"
 
 namespace mesocell {
 namespace {
@@ -25,7 +27,8 @@ class OffWords {
       line_ = line_.substr(0, line_.find('#'));
     }
   }
-  void skip_line() { line_ = {}; }
+  /// The rest of the line, which is passed over.
+  std::string_view rest_of_line() { return std::exchange(line_, {}); }
   [[nodiscard]] std::uint64_t number() const { return lines_.number(); }
 
  private:
@@ -39,20 +42,65 @@ Error ends_early(const char* what, std::uint64_t promised, std::uint64_t found) 
                       "; the file is cut off, fetch or export it again");
 }
 
-/// Reads the keyword: [ST][C][N]OFF. Nothing if the file is of a kind we can read.
-std::optional<Error> read_keyword(OffWords& words) {
+/// What follows the positions of the vertices.
+struct OffKind {
+  bool colors = false, normals = false;
+};
+
+/// Reads the keyword: [ST][C][N]OFF.
+Result<OffKind> read_keyword(OffWords& words) {
   std::string_view keyword = words.next();
   if (keyword.size() >= 3 && keyword.substr(keyword.size() - 3) == "OFF") {
     keyword.remove_suffix(3);
     if (keyword.find_first_of("4n") != keyword.npos)
       return invalid_mesh(
           "the file has vertices that are not points in space (4OFF or nOFF); export it as OFF");
-    if (keyword.find_first_not_of("STCN") == keyword.npos) return std::nullopt;
+    if (keyword.find_first_not_of("STCN") == keyword.npos)
+      return OffKind{keyword.find('C') != keyword.npos, keyword.find('N') != keyword.npos};
   }
   return invalid_mesh("the file does not begin with OFF, so it is not an OFF mesh; check the file");
 }
 
-Result<bool> read_vertices(OffWords& words, std::uint64_t count, const Progress* progress, PlainMesh& mesh) {
+/// The colors of vertices. Whether they are whole numbers up to 255 or have a point and go up to 1 is not
+/// said in the file, and 1 may be either: all channels together tell.
+class OffColors {
+ public:
+  /// `rest`: of a vertex's line, after its position.
+  void add(std::string_view rest, bool normals) {
+    for (int k = 0; normals && k < 3; ++k) next_word(rest);
+    std::array<double, 3> channels{};
+    bool numbers = true;
+    for (double& channel : channels) {
+      const std::string_view word = next_word(rest);
+      numbers = numbers && parse_number(word, channel);
+      has_point_ = has_point_ || (numbers && word.find_first_of(".eE") != word.npos);
+      above_one_ = above_one_ || (numbers && channel > 1);
+    }
+    if (!numbers) channels.fill(std::nan(""));
+    channels_.push_back(channels);
+  }
+  /// One a vertex; empty if no vertex has one.
+  [[nodiscard]] std::vector<Rgb8> take() const {
+    const double full = above_one_ && !has_point_ ? 255 : 1;
+    std::vector<Rgb8> colors;
+    bool any = false;
+    for (const std::array<double, 3>& channels : channels_) {
+      const std::optional<Rgb8> color = make_color(channels, full);
+      any = any || color;
+      colors.push_back(color.value_or(kMissingColor));
+    }
+    if (!any) colors.clear();
+    return colors;
+  }
+
+ private:
+  std::vector<std::array<double, 3>> channels_;
+  bool has_point_ = false, above_one_ = false;
+};
+
+Result<bool> read_vertices(OffWords& words, std::uint64_t count, OffKind kind, const Progress* progress,
+                           PlainMesh& mesh) {
+  OffColors colors;
   for (std::uint64_t i = 0; i < count; ++i) {
     if (stop_at(progress, i)) return cancelled();
     Vec3 p;
@@ -65,9 +113,11 @@ Result<bool> read_vertices(OffWords& words, std::uint64_t count, const Progress*
       mesh.bytes += library_holds(p[axis]) ? word : std::string_view("0");
       mesh.bytes += axis < 2 ? ' ' : '\n';
     }
-    words.skip_line();  // normals, colours, texture coordinates
+    const std::string_view rest = words.rest_of_line();  // normal, color, texture coordinates
+    if (kind.colors) colors.add(rest, kind.normals);
     mesh.positions.push_back(p);
   }
+  mesh.colors = colors.take();
   return true;
 }
 
@@ -98,7 +148,7 @@ Result<bool> read_faces(OffWords& words, std::uint64_t count, std::uint64_t most
                                                 "; export the mesh again");
       polygon.push_back(std::uint32_t(vertex));
     }
-    words.skip_line();  // colours
+    words.rest_of_line();  // a color
     ++mesh.polygons;
     cut_into_fan(polygon, mesh.dropped_faces, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
       text += "3 " + std::to_string(a) + ' ' + std::to_string(b) + ' ' + std::to_string(c) + '\n';
@@ -112,7 +162,8 @@ Result<bool> read_faces(OffWords& words, std::uint64_t count, std::uint64_t most
 
 Result<PlainMesh> plain_off(std::string_view bytes, const Progress* progress) {
   OffWords words(bytes);
-  if (std::optional<Error> error = read_keyword(words)) return *error;
+  const Result<OffKind> kind = read_keyword(words);
+  if (!kind) return kind.error();
   std::array<std::int64_t, 3> counts{};
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string_view word = words.next();
@@ -133,7 +184,7 @@ Result<PlainMesh> plain_off(std::string_view bytes, const Progress* progress) {
   PlainMesh mesh;
   mesh.extension = "off";
   mesh.positions.reserve(vertices);
-  const Result<bool> vertices_read = read_vertices(words, vertices, progress, mesh);
+  const Result<bool> vertices_read = read_vertices(words, vertices, *kind, progress, mesh);
   if (!vertices_read) return vertices_read.error();
   std::string face_text;
   const Result<bool> faces_read = read_faces(words, faces, bytes.size() / 2, progress, mesh, face_text);

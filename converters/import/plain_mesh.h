@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/vec.h"
@@ -13,7 +14,7 @@
 /// open any file that an OBJ names as its material, drop vertices that are no numbers so that all later
 /// indices shift, do not know comments in OFF, and deliver single precision. So every file is first checked
 /// in full and brought into the plain part of its format that the library reads well; the positions are kept
-/// in double precision meanwhile.
+/// in double precision meanwhile, and the colors as they are.
 namespace mesocell {
 
 /// A checked mesh, ready for the library.
@@ -22,6 +23,7 @@ struct PlainMesh {
   bool binary = false;          ///< for STL: which of its two encodings
   std::string bytes;            ///< the file in plain form: vertices and triangles, no more
   std::vector<Vec3> positions;  ///< as in the file, may be non-finite; empty for STL
+  std::vector<Rgb8> colors;     ///< one a vertex, or empty: the file has none
   std::uint64_t triangles = 0;  ///< that the library must deliver
   std::uint64_t polygons = 0;
   std::uint64_t dropped_faces = 0;

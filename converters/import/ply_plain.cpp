@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "converters/import/mesh_text.h"
 #include "converters/import/plain_mesh.h"
 #include "converters/import/ply_header.h"
+#include "converters/import/vertex_color.h"
 
 namespace mesocell {
 namespace {
@@ -82,6 +84,26 @@ void append_bits(std::string& out, std::uint64_t bits, std::size_t bytes) {
   for (std::size_t i = 0; i < bytes; ++i) out += char(std::uint8_t(bits >> (8 * i)));
 }
 
+/// Which properties of the vertices are red, green and blue: `prefix` and these names. Nothing if one is
+/// missing.
+std::optional<std::array<std::size_t, 3>> find_color(const PlyElement& e, const std::string& prefix) {
+  constexpr std::array<const char*, 3> kNames = {"red", "green", "blue"};
+  std::array<std::size_t, 3> color{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto found = std::find_if(e.properties.begin(), e.properties.end(), [&](const PlyProperty& p) {
+      return !p.is_list && p.name == prefix + kNames[k];
+    });
+    if (found == e.properties.end()) return std::nullopt;
+    color[k] = std::size_t(found - e.properties.begin());
+  }
+  return color;
+}
+
+double full_channel(PlyType type) {
+  if (type == PlyType::kFloat32 || type == PlyType::kFloat64) return 1;
+  return type == PlyType::kUint16 ? 65535 : 255;
+}
+
 /// Walks over the body and writes vertices and triangles in plain form.
 class PlyBody {
  public:
@@ -97,18 +119,24 @@ class PlyBody {
           "the header promises " + std::to_string(e.count) + " elements '" + e.name +
           "', more than the rest of the file can hold; the file is cut off or damaged, fetch or "
           "export it again");
+    std::optional<std::array<std::size_t, 3>> color_places;
+    if (e.name == "vertex") color_places = find_color(e, "");
+    if (e.name == "vertex" && !color_places) color_places = find_color(e, "diffuse_");
+    std::vector<double> values(e.properties.size());  // of those that are no lists
     for (std::uint64_t i = 0; i < e.count; ++i) {
       if (stop_at(progress_, i)) return cancelled();
       Vec3 position;
-      for (const PlyProperty& p : e.properties) {
-        const std::optional<Error> error = p.is_list ? list(e, p, i, mesh) : scalar(e, p, i, position);
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        const PlyProperty& p = e.properties[k];
+        const std::optional<Error> error =
+            p.is_list ? list(e, p, i, mesh) : scalar(e, p, i, values[k], position);
         if (error) return error;
       }
       if (e.name == "vertex") {
         for (std::size_t axis = 0; axis < 3; ++axis)
           append_bits(points,
                       std::bit_cast<std::uint64_t>(library_holds(position[axis]) ? position[axis] : 0.0), 8);
-        mesh.positions.push_back(position);
+        add_vertex(mesh, position, color_places ? color(e, values, *color_places) : std::nullopt);
       }
     }
     return std::nullopt;
@@ -117,12 +145,19 @@ class PlyBody {
   std::string points, faces;  ///< in plain form
 
  private:
+  static std::optional<Rgb8> color(const PlyElement& e, const std::vector<double>& values,
+                                   const std::array<std::size_t, 3>& places) {
+    std::array<double, 3> channels{};  // their types may differ
+    for (std::size_t k = 0; k < 3; ++k)
+      channels[k] = values[places[k]] / full_channel(e.properties[places[k]].type);
+    return make_color(channels, 1);
+  }
   static Error unreadable(const PlyElement& e, std::uint64_t i) {
     return invalid_mesh("element " + std::to_string(i) + " of '" + e.name +
                         "' is cut off or not a number; fetch or export the file again");
   }
-  std::optional<Error> scalar(const PlyElement& e, const PlyProperty& p, std::uint64_t i, Vec3& position) {
-    double value = 0;
+  std::optional<Error> scalar(const PlyElement& e, const PlyProperty& p, std::uint64_t i, double& value,
+                              Vec3& position) {
     if (!values_.read(p.type, value)) return unreadable(e, i);
     if (p.name == "x") position.x = value;
     if (p.name == "y") position.y = value;

@@ -125,7 +125,8 @@ Status check_options(const Recipe& recipe, std::string_view kind, std::span<cons
     std::string all;
     for (const std::string_view n : names)
       if (!n.empty()) all += (all.empty() ? "" : ", ") + std::string(n);
-    return usage(std::string(kind) + " " + recipe.name + " has no option '" + name + "'; it has: " + all);
+    return usage(std::string(kind) + " " + recipe.name + " has no option '" + name +
+                 "'; it has: " + (all.empty() ? "none" : all));
   }
   return {};
 }

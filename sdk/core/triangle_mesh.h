@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "format/api.h"
+#include "format/cell_object.h"
 #include "sdk/core/vec.h"
 
 namespace mesocell MESOCELL_API {
@@ -17,6 +18,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 struct TriangleMesh {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
+  std::vector<Rgb8> colors = {};  ///< one a vertex, or empty: the mesh has none
 };
 
 /// The box of the vertices that triangles use; empty if there are no triangles.

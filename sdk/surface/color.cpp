@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "sdk/core/rng.h"
+#include "sdk/surface/instance_colors.h"
 #include "sdk/surface/noise.h"
 
 namespace mesocell {
@@ -73,7 +74,7 @@ Rgb8 random_color(Rng& rng) {
 
 }  // namespace
 
-Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count) {
+Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count, const TriangleMesh& mesh) {
   const auto seed = whole_option(recipe, "seed", 1, 0, ~std::uint64_t{0});
   if (!seed) return seed.error();
   Colors colors;
@@ -82,6 +83,12 @@ Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count) {
     if (const Status status = check_options(recipe, "color", names); !status) return status.error();
     Rng rng(*seed);
     for (std::uint32_t c = 0; c < cell_count; ++c) colors.cells.push_back(random_color(rng));
+    return colors;
+  }
+  if (recipe.name == "mesh") {
+    if (const Status status = check_options(recipe, "color", {}); !status) return status.error();
+    if (mesh.colors.empty()) return mesh_without_colors();
+    colors.of_mesh = true;
     return colors;
   }
   std::string names;
@@ -103,14 +110,31 @@ Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count) {
     colors.map = std::move(map);
     return colors;
   }
-  return Error{ErrorCode::kUsage, "unknown color '" + recipe.name + "'; there are: " + names + "cells"};
+  return Error{ErrorCode::kUsage, "unknown color '" + recipe.name + "'; there are: " + names + "cells, mesh"};
+}
+
+Status apply_colors(Colors colors, const TriangleMesh& mesh, CellObject& object, unsigned threads,
+                    const Progress* progress) {
+  std::vector<Rgb8> instances;
+  if (colors.of_mesh) {
+    Result<std::vector<Rgb8>> made = make_instance_colors(object, mesh, threads, progress);
+    if (!made) return made.error();
+    instances = std::move(*made);
+  }
+  object.color = std::move(colors.map);
+  object.cell_colors = std::move(colors.cells);
+  object.instance_colors = std::move(instances);
+  return {};
 }
 
 std::string color_recipes_help() {
   std::string text;
   for (const Solid& solid : kSolids)
     text += std::string(solid.name) + ":resolution=64,seed=1   " + std::string(solid.help) + "\n";
-  return text + "cells:seed=1   a random color for each cell\nresolution: color voxels per axis of the tile, 1…256\n";
+  return text +
+         "cells:seed=1   a random color for each cell\n"
+         "mesh   the mesh's own (PLY, OBJ or COFF with colors at the vertices), one for each cell inside\n"
+         "resolution: color voxels per axis of the tile, 1…256\n";
 }
 
 WrapCheck check_wrap(const ColorMap& map) {

@@ -8,20 +8,32 @@
 #include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
+#include "sdk/core/progress.h"
 #include "sdk/core/recipe.h"
+#include "sdk/core/triangle_mesh.h"
 
 namespace mesocell MESOCELL_API {
 
-/// The colors that a recipe gives a cell object: a solid texture of the tile, or a color for each cell.
+/// The colors that a recipe gives a cell object: a solid texture of the tile, a color for each cell, or those
+/// of the basic mesh, which make_instance_colors() finds once the object is there.
 struct Colors {
   std::optional<ColorMap> map;
   std::vector<Rgb8> cells;
+  bool of_mesh = false;
 };
 
 /// Makes the colors of a recipe: `marble`, `wood` or `stone` (solid textures that tile without a seam;
-/// options resolution and seed), or `cells` (a random color for each of `cell_count` cells; option seed).
-/// Errors: kUsage. The same recipe gives the same colors on every machine.
-[[nodiscard]] Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count);
+/// options resolution and seed), `cells` (a random color for each of `cell_count` cells; option seed), or
+/// `mesh` (the colors at the vertices of `mesh`, which other recipes do not look at). Errors: kUsage, also if
+/// `mesh` has no colors where they are wanted. The same recipe gives the same colors on every machine.
+[[nodiscard]] Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count,
+                                         const TriangleMesh& mesh = {});
+
+/// Gives a finished cell object its colors, in place of any that it has. `mesh`: the basic mesh, in which the
+/// colors of each INSIDE instance are looked up if `colors` are of the mesh. `threads`: 0 for the machine's.
+/// Errors: those of make_instance_colors(); the object is as it was then.
+[[nodiscard]] Status apply_colors(Colors colors, const TriangleMesh& mesh, CellObject& object,
+                                  unsigned threads = 0, const Progress* progress = nullptr);
 
 /// The recipes and their options, a line each, for help texts.
 [[nodiscard]] std::string color_recipes_help();

@@ -1,28 +1,14 @@
 #include "sdk/trace/cell_scene.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sdk/core/gradient_kernel.h"
+#include "sdk/core/srgb.h"
 #include "sdk/trace/reach.h"
 
 namespace mesocell {
 namespace {
 
-/// The channel of an sRGB color in linear light [IEC 61966-2-1].
-double to_linear(std::uint8_t channel) {
-  static const std::array<double, 256> table = [] {
-    std::array<double, 256> t{};
-    for (std::size_t k = 0; k < 256; ++k) {
-      const double s = double(k) / 255;
-      t[k] = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-    }
-    return t;
-  }();
-  return table[channel];
-}
-
-Vec3 to_linear(const Rgb8& c) { return {to_linear(c[0]), to_linear(c[1]), to_linear(c[2])}; }
 Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
 }  // namespace
@@ -160,12 +146,12 @@ void CellScene::solid_box(const Voxel& v, Voxel& low, Voxel& high) const {
 
 Vec3 CellScene::color(const Hit& hit, Vec3 point) const {
   Vec3 color{1, 1, 1};
-  if (!cell_colors_.empty()) color = to_linear(cell_colors_[hit.label - 1]);
+  if (!cell_colors_.empty()) color = srgb_to_linear(cell_colors_[hit.label - 1]);
   if (!instance_colors_.empty()) {
     const std::uint64_t home = std::uint64_t(hit.instance);
     std::uint64_t i = first_instance_[home];
     for (std::uint32_t c = 1; c < hit.label; ++c) i += membership_.tag(home, c) == Tag::kInside;
-    color = times(color, to_linear(instance_colors_[i]));
+    color = times(color, srgb_to_linear(instance_colors_[i]));
   }
   if (color_.voxels.empty()) return color;
   // The point's share of its tile, held to the voxel that was hit: rounding may put it just beyond.
@@ -177,8 +163,8 @@ Vec3 CellScene::color(const Hit& hit, Vec3 point) const {
     const double share = (x - double(tile * resolution_[a])) / resolution_[a];
     at[a] = std::min(std::uint64_t(share * color_.resolution[a]), std::uint64_t{color_.resolution[a]} - 1);
   }
-  return times(
-      color, to_linear(color_.voxels[at[0] + color_.resolution[0] * (at[1] + color_.resolution[1] * at[2])]));
+  const std::uint64_t i = at[0] + color_.resolution[0] * (at[1] + color_.resolution[1] * at[2]);
+  return times(color, srgb_to_linear(color_.voxels[i]));
 }
 
 }  // namespace mesocell

@@ -4,6 +4,7 @@
 
 #include "tests/cli/picture_scene.h"
 #include "tests/support/catch.h"
+#include "tests/support/shapes.h"
 
 using namespace mesocell;
 using namespace mesocell::test;
@@ -79,6 +80,57 @@ TEST_CASE("a color for each cell") {
   const std::set<std::vector<float>> colors = colors_of(scene);
   CHECK(colors.size() > 3);
   CHECK(colors.size() <= 8);
+}
+
+TEST_CASE("the mesh's own colors, one for each cell inside, from every format that has them") {
+  TriangleMesh ball = make_sphere({0, 0, 0}, 1, 24);
+  for (const Vec3& v : ball.vertices) ball.colors.push_back(v.x < 0 ? Rgb8{200, 30, 30} : Rgb8{30, 30, 200});
+  const Scene scene;
+  std::string first;
+  for (const char* name : {"text.ply", "big.ply", "mesh.off", "mesh.obj"}) {
+    INFO(name);
+    const std::string mesh = scene.folder.write(name, mesh_bytes(ball, name));
+    const Run run = run_command({"convert", mesh, scene.asset, "--tiles", "8", "--tile",
+                                 "voronoi:cells=8,resolution=16,seed=1", "--color", "mesh", "--threads",
+                                 first.empty() ? "1" : "3", "--json"});
+    INFO(run.err);
+    REQUIRE(run.exit == 0);
+    CHECK(run.json()["instance_colors"] == run.json()["instances"]["inside"]);
+    if (first.empty()) first = read_bytes(scene.asset);
+    CHECK(read_bytes(scene.asset) == first);
+  }
+  const json info = info_of(scene.asset);
+  CHECK(info["instance_colors"] > 100);
+  CHECK(info["cell_colors"] == 0);
+  CHECK(info["color_resolution"].is_null());
+  CHECK(info["metadata"]["color"] == "mesh");
+  CHECK(run_command({"validate", scene.asset}).exit == 0);
+
+  // Red on the left, blue on the right, but for cells that are about as near to both.
+  REQUIRE(scene.render("c.exr", {"--mode", "color", "--eye", "0,0,5", "--look", "0,0,0"}).exit == 0);
+  const Image image = read_picture(scene.folder.file("c.exr"));
+  const std::size_t r = find_channel(image, "color.R").value(), b = find_channel(image, "color.B").value(),
+                    cell = find_channel(image, "cell.id").value(), stride = image.channels.size();
+  std::size_t hits = 0, right_color = 0;
+  for (std::size_t i = 0; i < image.pixels.size() / stride; ++i) {
+    const float* pixel = image.pixels.data() + i * stride;
+    if (pixel[cell] == 0) continue;
+    ++hits;
+    right_color += (i % image.width < image.width / 2) == (pixel[r] > pixel[b]);
+  }
+  CHECK(hits > 100);
+  CHECK(double(right_color) > 0.9 * double(hits));
+}
+
+TEST_CASE("a mesh without colors has none to take over, and that is said before the work") {
+  const Scene scene;
+  const Run run = run_command({"convert", scene.folder.file("ball.off"), scene.folder.file("o.meso"),
+                               "--color", "mesh", "--tiles", "8"});
+  CHECK(run.exit == 2);
+  CHECK(run.err.find("no colors") != std::string::npos);
+  CHECK(run.messages() == 1);
+  CHECK(scene.folder.list() == std::vector<std::string>{"ball.meso", "ball.off"});
+  CHECK(run_command({"convert", "--help"}).out.find("\nmesh ") != std::string::npos);
 }
 
 TEST_CASE("normals are stored on demand and are of length 1 in a picture") {

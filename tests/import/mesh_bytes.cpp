@@ -36,15 +36,25 @@ void put(std::string& out, Bits bits, bool big = false) {
 
 std::string obj(const TriangleMesh& mesh) {
   std::string out = "# a comment\n";
-  for (const Vec3& p : mesh.vertices) out += "v " + words(p) + "\n";
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    out += "v " + words(mesh.vertices[i]);
+    for (std::size_t k = 0; k < 3 && !mesh.colors.empty(); ++k)
+      out += " " + number(mesh.colors[i][k] / 255.0);
+    out += "\n";
+  }
   for (const Triangle& t : mesh.triangles) out += "f " + words(t, 1) + "\n";
   return out;
 }
 
 std::string off(const TriangleMesh& mesh) {
-  std::string out =
-      "OFF\n" + std::to_string(mesh.vertices.size()) + " " + std::to_string(mesh.triangles.size()) + " 0\n";
-  for (const Vec3& p : mesh.vertices) out += words(p) + "\n";
+  std::string out = mesh.colors.empty() ? "OFF\n" : "COFF\n";
+  out += std::to_string(mesh.vertices.size()) + " " + std::to_string(mesh.triangles.size()) + " 0\n";
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    out += words(mesh.vertices[i]);
+    for (std::size_t k = 0; k < 3 && !mesh.colors.empty(); ++k)
+      out += " " + std::to_string(mesh.colors[i][k]);
+    out += mesh.colors.empty() ? "\n" : " 255\n";
+  }
   for (const Triangle& t : mesh.triangles) out += "3 " + words(t, 0) + "\n";
   return out;
 }
@@ -52,12 +62,18 @@ std::string off(const TriangleMesh& mesh) {
 std::string ply(const TriangleMesh& mesh, const std::string& encoding) {
   std::string out =
       "ply\nformat " + encoding + " 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
-      "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-      std::to_string(mesh.triangles.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
+      "\nproperty double x\nproperty double y\nproperty double z\n" +
+      (mesh.colors.empty() ? "" : "property uchar red\nproperty uchar green\nproperty uchar blue\n") +
+      "element face " + std::to_string(mesh.triangles.size()) +
+      "\nproperty list uchar uint vertex_indices\nend_header\n";
   const bool text = encoding == "ascii", big = encoding == "binary_big_endian";
-  for (const Vec3& p : mesh.vertices) {
-    if (text) out += words(p) + "\n";
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Vec3& p = mesh.vertices[i];
+    if (text) out += words(p);
     for (std::size_t a = 0; a < 3 && !text; ++a) put(out, std::bit_cast<std::uint64_t>(p[a]), big);
+    for (std::size_t k = 0; k < 3 && !mesh.colors.empty(); ++k)
+      out += text ? " " + std::to_string(mesh.colors[i][k]) : std::string(1, char(mesh.colors[i][k]));
+    if (text) out += "\n";
   }
   for (const Triangle& t : mesh.triangles) {
     if (text) {

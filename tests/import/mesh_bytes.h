@@ -14,7 +14,7 @@ struct MeshBytes {
 };
 
 /// The mesh in every format and encoding that is read: OBJ, OFF, PLY as text and both binaries, STL as text
-/// and binary.
+/// and binary. Colors of vertices are written in all but STL.
 [[nodiscard]] std::vector<MeshBytes> in_all_formats(const TriangleMesh& mesh);
 /// One of them, by its name: "mesh.obj", "mesh.off", "text.ply", "little.ply", "big.ply", "text.stl",
 /// "binary.stl".
