@@ -22,7 +22,7 @@ constexpr double kMaxVoxelCoordinate = 0x1p40;
 
 /// The centre of each cell, in voxels from the corner of its instance's home tile; [0] is not used.
 std::vector<Vec3> cell_centres(const TileMap& tile) {
-  // Less than 2^30 voxels within 2^18 of the corner: sums fit with room to spare.
+  // At most 2^30 voxels within 2^18 of the corner: sums fit with room to spare.
   std::vector<std::array<std::int64_t, 3>> sums(tile.cell_count + 1);
   std::vector<std::int64_t> voxels(tile.cell_count + 1);
   std::uint64_t i = 0;
@@ -67,8 +67,7 @@ Rgb8 surface_color(const TriangleMesh& mesh, const SurfacePoint& at) {
 Error mesh_without_colors() {
   return {ErrorCode::kUsage,
           "the mesh has no colors at its vertices to take over; paint them in a mesh editor and save it as "
-          "PLY, OBJ "
-          "or COFF with colors, or choose another color"};
+          "PLY, OBJ or COFF with colors, or choose another color"};
 }
 
 Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const TriangleMesh& mesh,
