@@ -144,4 +144,4 @@ struct CellObject {
   }
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -36,4 +36,4 @@ namespace mesocell MESOCELL_API {
                                                           const ContainerScan& scan, const ReadLimits& limits,
                                                           MemoryBudget& budget, IssueSink& sink);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

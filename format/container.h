@@ -67,4 +67,4 @@ class ContainerWriter {
   bool out_of_memory_ = false;
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

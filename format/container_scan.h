@@ -82,4 +82,4 @@ struct ChunkPayload {
 void add_issue(IssueSink& sink, IssueId id, const ChunkPayload& chunk, std::size_t at,
                std::string detail = {});
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

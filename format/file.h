@@ -56,4 +56,4 @@ class AtomicFile {
 /// signal handler or an exit path that runs no destructors.
 void remove_temporary_files() noexcept;
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -60,4 +60,4 @@ class IssueSink {
   bool capped_ = false;
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

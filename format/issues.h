@@ -120,4 +120,4 @@ struct IssueInfo {
 /// The text of spec/issues.md.
 [[nodiscard]] std::string issue_catalogue_markdown();
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -34,4 +34,4 @@ class MemoryBudget {
   std::uint64_t left_;
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -32,4 +32,4 @@ inline constexpr double kNormalCodeErrorDegrees = 0.645;
 /// The unit vector of a code. A byte above kMaxNormalByte, which no valid file has, is taken for that.
 [[nodiscard]] std::array<double, 3> decode_normal(std::array<std::uint8_t, 2> code);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

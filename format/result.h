@@ -88,4 +88,4 @@ class [[nodiscard]] Status {
   std::optional<Error> error_;
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

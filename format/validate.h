@@ -24,4 +24,4 @@ struct ValidationReport {
 [[nodiscard]] ValidationReport validate(std::span<const std::byte> file, const ReadLimits& limits = {},
                                         std::size_t max_issues = 256);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -55,4 +55,4 @@ struct AuthorReport {
                                                     AuthorReport* report = nullptr,
                                                     const Progress* progress = nullptr);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -37,4 +37,4 @@ struct TilePlacement {
                                              TileReport* report = nullptr,
                                              const Progress* progress = nullptr);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -10,4 +10,4 @@ namespace mesocell MESOCELL_API {
 /// normals and metadata are left to the caller. This is also the form in which a tile is kept in a file.
 [[nodiscard]] CellObject make_tile_sample(TileMap tile);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

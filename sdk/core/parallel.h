@@ -20,4 +20,4 @@ bool parallel_for(std::size_t count, unsigned threads,
                   const std::function<void(std::size_t i, unsigned worker)>& body,
                   const Progress* progress = nullptr, std::string_view stage = {});
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

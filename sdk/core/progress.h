@@ -17,4 +17,4 @@ struct Progress {
   [[nodiscard]] bool cancelled() const { return cancel && cancel->load(std::memory_order_relaxed); }
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -11,4 +11,4 @@ struct Ray {
   Vec3 direction;
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

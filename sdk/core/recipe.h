@@ -53,4 +53,4 @@ struct Recipe {
 [[nodiscard]] Status check_options(const Recipe& recipe, std::string_view kind,
                                    std::span<const std::string_view> names);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

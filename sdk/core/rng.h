@@ -29,4 +29,4 @@ class Rng {
   std::uint64_t state_;
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -30,4 +30,4 @@ struct Transform {
 /// Counter-clockwise about an axis through the origin, seen from its tip; radians. The axis is not zero.
 [[nodiscard]] Transform rotation(Vec3 axis, double angle);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -30,4 +30,4 @@ struct TriangleMesh {
 /// For every vertex the first of those at the same place, which stands for them all.
 [[nodiscard]] std::vector<std::uint32_t> merge_identical_vertices(const std::vector<Vec3>& vertices);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -57,4 +57,4 @@ struct Box3 {
   static constexpr double kInf = std::numeric_limits<double>::infinity();
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -26,4 +26,4 @@ struct TracingError {
                                                  std::span<const Ray> rays, double step,
                                                  unsigned threads = 0);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -38,4 +38,4 @@ class Camera {
   double width_ = 0, height_ = 0;
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

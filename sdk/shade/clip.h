@@ -29,4 +29,4 @@ class ClippedCaster final : public Caster {
   double distance_;
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -33,4 +33,4 @@ class Environment {
 /// picture.
 [[nodiscard]] Environment make_sky();
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -61,4 +61,4 @@ class Radiance {
 /// index behind; `normal` has length 1 and is against the direction, which has length 1 too.
 [[nodiscard]] std::optional<Vec3> refract(Vec3 direction, Vec3 normal, double ratio);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -47,4 +47,4 @@ struct RenderResult {
 [[nodiscard]] Result<RenderResult> render(const Caster& caster, const RenderOptions& options,
                                           const Progress* progress = nullptr);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

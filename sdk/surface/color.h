@@ -46,4 +46,4 @@ struct WrapCheck {
 };
 [[nodiscard]] WrapCheck check_wrap(const ColorMap& map);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -39,4 +39,4 @@ class CellNormals {
 [[nodiscard]] std::optional<NormalMap> make_normal_map(const TileMap& tile, unsigned threads = 0,
                                                        const Progress* progress = nullptr);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -46,4 +46,4 @@ class VoxelCodes {
 [[nodiscard]] TileMap assemble_tile(const Index3& resolution, const VoxelCodes& codes,
                                     std::span<const CodeOwner> owners, unsigned threads);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

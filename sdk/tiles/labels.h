@@ -36,4 +36,4 @@ enum class Percolating : std::uint8_t {
                                               unsigned threads = 0, TileReport* report = nullptr,
                                               const Progress* progress = nullptr);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

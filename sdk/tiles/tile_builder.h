@@ -51,4 +51,4 @@ class TileBuilder {
   VoxelCodes codes_;
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -32,4 +32,4 @@ struct TileReport {
 /// The generators and their options, a line each, for help texts.
 [[nodiscard]] std::string tile_generators_help();
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -49,4 +49,4 @@ class Caster {
   [[nodiscard]] virtual Box3 object_box() const = 0;
 };
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -16,4 +16,4 @@ namespace mesocell MESOCELL_API {
 [[nodiscard]] Result<std::unique_ptr<Caster>> make_cell_object_caster(const CellObject& object,
                                                                       std::string_view method);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -40,4 +40,4 @@ struct GpuMaps {
 /// Errors: kLimit if the tile has more than 64 pieces; it says how many.
 [[nodiscard]] Result<GpuMaps> make_gpu_maps(const CellObject& object);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

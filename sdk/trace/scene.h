@@ -23,4 +23,4 @@ struct Placement {
 /// of placements. Errors: kUsage (none, no caster, a transform that is singular or not finite).
 [[nodiscard]] Result<std::unique_ptr<Caster>> make_scene(std::vector<Placement> placements);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell
