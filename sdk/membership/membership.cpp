@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sdk/core/parallel.h"
+#include "sdk/membership/open_solid.h"
 #include "sdk/membership/scanline.h"
 #include "sdk/membership/touch.h"
 
@@ -263,7 +264,10 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
                                          const MembershipOptions& options, MembershipReport* report,
                                          const Progress* progress) {
   const Error cancelled{ErrorCode::kCancelled, "cancelled"};
-  const Scanline scanline(mesh, tile.resolution, tiles);
+  const Index3 size{tiles[0] * tile.resolution[0], tiles[1] * tile.resolution[1],
+                    tiles[2] * tile.resolution[2]};
+  const OpenSolid open(mesh, size);
+  const Scanline scanline(open.closed(), tile.resolution, tiles, open.was_closed() ? nullptr : &open);
   const TileRows rows = rows_of(tile);
   std::optional<TouchFinder> finder;
   if (options.rule == MembershipRule::kConservative) finder.emplace(tile);
@@ -291,6 +295,7 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
         if (finder)
           for (const std::uint32_t t :
                scanline.triangles(std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]))) {
+            if (t >= open.mesh_triangles()) continue;
             const Triangle& v = mesh.triangles[t];
             worker.bundle.touch(*finder, {mesh.vertices[v[0]], mesh.vertices[v[1]], mesh.vertices[v[2]]},
                                 std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]));
@@ -332,7 +337,10 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
     map.blocks.insert(map.blocks.end(), layer.blocks.begin(), layer.blocks.end());
     first_block = next;
   }
-  if (report) *report = {inside, mixed};
+  if (report) {
+    *report = {.inside_voxels = inside, .mixed_tiles = mixed, .boundary_edges = open.boundary_edges()};
+    for (const Worker& worker : workers) report->unsure_voxels += worker.scratch.unsure;
+  }
   return map;
 }
 

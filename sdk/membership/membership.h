@@ -20,10 +20,15 @@ struct MembershipOptions {
 struct MembershipReport {
   std::uint64_t inside_voxels = 0;  ///< of the grid, whatever the tile has there
   std::uint64_t mixed_tiles = 0;    ///< tiles with voxels inside and voxels outside
+  std::uint64_t boundary_edges =
+      0;  ///< of the mesh, as often as its boundary runs along them; 0 if it is closed
+  std::uint64_t unsure_voxels = 0;  ///< whose winding number is between 0.4 and 0.6 in magnitude
 };
 
 /// Tags every cell instance by a rule. [spec 4.3; Nürnberg 2011, 3.1.5]
-/// - `mesh`: closed (see diagnose()), in voxel units of the grid, coordinates below 2^40 in magnitude
+/// - `mesh`: in voxel units of the grid, coordinates below 2^40 in magnitude; if it is not closed (see
+/// diagnose()), what is inside is decided by its generalized winding number, and takes longer near its
+/// boundary
 /// - `tiles`: of the grid; voxels beyond it count as not inside, so an instance that leaves it is never
 /// INSIDE Errors: kLimit, kCancelled. The winding number decides, whatever its sign: a mesh turned inside out
 /// is solid, overlapping parts are united, a cavity is a shell of the other orientation.
@@ -33,4 +38,4 @@ struct MembershipReport {
                                                        MembershipReport* report = nullptr,
                                                        const Progress* progress = nullptr);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sdk/membership/open_rows.h"
+#include "sdk/membership/open_solid.h"
 #include "sdk/membership/predicates.h"
 
 namespace mesocell {
@@ -44,8 +46,9 @@ Crossing cross_edge(const Vec3& p, const Vec3& q, double z) {
 
 }  // namespace
 
-Scanline::Scanline(const TriangleMesh& mesh, const Index3& resolution, const Index3& tiles)
-    : mesh_(mesh), resolution_(resolution), tiles_(tiles) {
+Scanline::Scanline(const TriangleMesh& mesh, const Index3& resolution, const Index3& tiles,
+                   const OpenSolid* open)
+    : mesh_(mesh), open_(open), resolution_(resolution), tiles_(tiles) {
   // Bundles that a triangle's box meets, generously: which rows it meets is decided exactly later.
   const auto range = [&](double low, double high, std::size_t a, std::int64_t& first, std::int64_t& last) {
     const double r = resolution_[a], n = tiles_[a];
@@ -70,7 +73,9 @@ Scanline::Scanline(const TriangleMesh& mesh, const Index3& resolution, const Ind
     for_bundles(mesh_.triangles[t], [&](std::size_t b) { triangles_[next[b]++] = t; });
 }
 
-void Scanline::add_triangle(const Triangle& triangle, const Rows& rows, std::vector<Event>& events) const {
+void Scanline::add_triangle(std::uint32_t index, const Rows& rows, std::vector<Event>& events) const {
+  const Triangle& triangle = mesh_.triangles[index];
+  const std::uint16_t of_cone = open_ && index >= open_->mesh_triangles() ? 1 : 0;
   const Vec3 v[3] = {mesh_.vertices[triangle[0]], mesh_.vertices[triangle[1]], mesh_.vertices[triangle[2]]};
   const double z_min = std::min({v[0].z, v[1].z, v[2].z}), z_max = std::max({v[0].z, v[1].z, v[2].z});
   const double z_first = std::max(std::ceil(z_min - 0.5), double(rows.z0));
@@ -92,7 +97,7 @@ void Scanline::add_triangle(const Triangle& triangle, const Rows& rows, std::vec
     const Crossing &left = crossing[swapped ? 1 : 0], &right = crossing[swapped ? 0 : 1];
     // Seen along -x with y to the right, a counter-clockwise triangle runs down on its left; its normal has
     // positive x then, and a ray along +x leaves the solid through it.
-    const std::int32_t delta = left.upward ? 1 : -1;
+    const std::int16_t delta = left.upward ? 1 : -1;
 
     // x is interpolated between both ends. Their errors count once for x and once, times the slope, for the
     // place between them; where the ends are too near to tell, all that is known is that x lies between.
@@ -121,7 +126,7 @@ void Scanline::add_triangle(const Triangle& triangle, const Rows& rows, std::vec
       }
       if (i >= x_end) continue;
       const std::uint32_t row = std::uint32_t(j - y_first) + resolution_[1] * (std::uint32_t(k) - rows.z0);
-      events.push_back({row, std::uint32_t(std::max(i, 0.0)), delta});
+      events.push_back({row, std::uint32_t(std::max(i, 0.0)), delta, of_cone});
     }
   }
 }
@@ -132,8 +137,7 @@ void Scanline::bundle(std::uint32_t ty, std::uint32_t tz, Scratch& scratch, RowI
   const std::size_t row_count = std::size_t{resolution_[1]} * resolution_[2];
   std::vector<Event>& events = scratch.events;
   events.clear();
-  for (std::uint64_t k = first_[b]; k < first_[b + 1]; ++k)
-    add_triangle(mesh_.triangles[triangles_[k]], rows, events);
+  for (std::uint64_t k = first_[b]; k < first_[b + 1]; ++k) add_triangle(triangles_[k], rows, events);
 
   // Counting sort by row, then each row's few events by x. What their order says at equal x does not matter.
   std::vector<std::uint32_t>& first = out.first;
@@ -150,6 +154,17 @@ void Scanline::bundle(std::uint32_t ty, std::uint32_t tz, Scratch& scratch, RowI
     first[r] = std::uint32_t(out.intervals.size());
     Event* const row = scratch.sorted.data();
     std::sort(row + begin, row + end, [](const Event& p, const Event& q) { return p.x < q.x; });
+    if (open_) {
+      const std::uint32_t y = rows.y0 + std::uint32_t(r) % resolution_[1],
+                          z = rows.z0 + std::uint32_t(r) / resolution_[1];
+      open_->stretches(y, z, scratch.stretches);
+      if (!scratch.stretches.empty()) {
+        scratch.unsure +=
+            decide_open_row(*open_, {row + begin, row + end}, y, z, x_end, scratch.stretches, out.intervals);
+        begin = end;
+        continue;
+      }
+    }
     std::int32_t winding = 0;
     std::uint32_t start = 0;
     for (std::uint32_t k = begin; k < end;) {

@@ -10,6 +10,13 @@
 
 namespace mesocell MESOCELL_INTERNAL_API {
 
+class OpenSolid;
+
+/// A part of a row of voxels, [begin, end) along x.
+struct RowStretch {
+  std::uint32_t begin, end;
+};
+
 /// Voxels [begin, end) of one row along x that are inside the mesh.
 struct Interval {
   std::uint32_t begin, end;
@@ -33,17 +40,22 @@ struct RowIntervals {
 class Scanline {
  public:
   /// `mesh` is in voxel units, closed, its coordinates below 2^40; it is kept by reference. `resolution`:
-  /// voxels of a tile, whose rows make a bundle; `tiles`: of the grid.
-  Scanline(const TriangleMesh& mesh, const Index3& resolution, const Index3& tiles);
+  /// voxels of a tile, whose rows make a bundle; `tiles`: of the grid. `open`: that `mesh` is the closed()
+  /// of, whose winding number then decides; null if the mesh is closed by itself.
+  Scanline(const TriangleMesh& mesh, const Index3& resolution, const Index3& tiles,
+           const OpenSolid* open = nullptr);
 
   /// The rows of the tiles (·, ty, tz): row y + resolution_y · z, with y, z counted from the bundle's first.
   /// Thread safety: const; `out` and `scratch` belong to the caller and are reused between calls.
   struct Event {
     std::uint32_t row, x;
-    std::int32_t delta;
+    std::int16_t delta;
+    std::uint16_t of_cone;  ///< 1 if the triangle only closes an open mesh
   };
   struct Scratch {
     std::vector<Event> events, sorted;
+    std::vector<RowStretch> stretches;
+    std::uint64_t unsure = 0;  ///< voxels so far whose winding number was nearly 1/2
   };
   void bundle(std::uint32_t ty, std::uint32_t tz, Scratch& scratch, RowIntervals& out) const;
 
@@ -57,9 +69,10 @@ class Scanline {
   struct Rows {
     std::uint32_t y0, z0;
   };
-  void add_triangle(const Triangle& triangle, const Rows& rows, std::vector<Event>& events) const;
+  void add_triangle(std::uint32_t index, const Rows& rows, std::vector<Event>& events) const;
 
   const TriangleMesh& mesh_;
+  const OpenSolid* open_;
   Index3 resolution_, tiles_;
   // Triangles by bundle: bundle b has triangles_[first_[b]] … triangles_[first_[b + 1]].
   std::vector<std::uint64_t> first_;
