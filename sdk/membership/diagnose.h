@@ -29,4 +29,4 @@ struct MeshDiagnosis {
 /// One sentence for people: what keeps the mesh from being closed, with counts and a place.
 [[nodiscard]] std::string describe(const MeshDiagnosis& diagnosis);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell

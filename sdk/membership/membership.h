@@ -33,4 +33,4 @@ struct MembershipReport {
                                                        MembershipReport* report = nullptr,
                                                        const Progress* progress = nullptr);
 
-}  // namespace MESOCELL_API
+}  // namespace mesocell
