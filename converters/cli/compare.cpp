@@ -6,7 +6,7 @@
 
 #include "converters/cli/commands.h"
 #include "converters/cli/representations.h"
-#include "converters/export/image_reader.h"
+#include "converters/image/image_reader.h"
 
 namespace mesocell {
 namespace {

@@ -10,8 +10,8 @@
 #include "converters/cli/progress_bar.h"
 #include "converters/cli/render_plan.h"
 #include "converters/cli/representations.h"
-#include "converters/export/image_file.h"
-#include "converters/export/image_reader.h"
+#include "converters/image/image_file.h"
+#include "converters/image/image_reader.h"
 #include "sdk/shade/clip.h"
 
 namespace mesocell {
