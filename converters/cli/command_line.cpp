@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "converters/cli/cell_object_asset.h"
+#include "converters/cli/color_source.h"
 #include "converters/cli/commands.h"
 #include "converters/cli/convert_plan.h"
 #include "converters/cli/exit_codes.h"
 #include "converters/import/mesh_file.h"
+#include "converters/import/volume_file.h"
 #include "format/container_scan.h"
-#include "sdk/surface/color.h"
 
 namespace mesocell {
 namespace {
@@ -60,7 +61,7 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->footer(
       "Rules: by centre a cell is inside if all its voxels' centres are; by conservative the surface "
       "must not even touch one of its voxels.\n\nRecipes of tiles:\n" +
-      tile_sources_help() + "\nRecipes of colors:\n" + color_recipes_help() +
+      tile_sources_help() + "\nRecipes of colors:\n" + color_sources_help() + "\nVolumes: " + kVolumeAxes + "\n" +
       "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
       "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n"
       "  mesocell convert tile:mesh:file=stones.obj,size=2 stones.meso --color stone\n"

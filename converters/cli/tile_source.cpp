@@ -87,15 +87,6 @@ std::string names_of_tiles() {
   return names;
 }
 
-/// Files by their names alone: where they lie is of no interest to whoever gets the asset.
-Recipe without_folders(Recipe recipe) {
-  if (const auto file = recipe.options.find("file"); file != recipe.options.end()) {
-    const std::filesystem::path path = file->second;
-    file->second = (path.has_filename() ? path : path.parent_path()).filename().string();
-  }
-  return recipe;
-}
-
 std::string plural(std::uint64_t count, const char* one, const char* several) {
   return std::to_string(count) + " " + (count == 1 ? one : several);
 }
@@ -134,6 +125,14 @@ std::optional<Failure> take_saved(const TileSource& source, SourcedTile& tile) {
 }
 
 }  // namespace
+
+Recipe without_folders(Recipe recipe) {
+  if (const auto file = recipe.options.find("file"); file != recipe.options.end()) {
+    const std::filesystem::path path = file->second;
+    file->second = (path.has_filename() ? path : path.parent_path()).filename().string();
+  }
+  return recipe;
+}
 
 Result<TileSource> parse_tile_source(const std::string& text, std::string option) {
   TileSource source;
