@@ -1,0 +1,222 @@
+#include <array>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "converters/import/mesh_file.h"
+#include "sdk/author/cell_object.h"
+#include "sdk/core/rng.h"
+#include "sdk/membership/membership.h"
+#include "sdk/tiles/random_rotation.h"
+#include "sdk/tiles/tile_spec.h"
+#include "tests/support/catch.h"
+#include "tests/support/data.h"
+#include "tests/support/membership_oracle.h"
+#include "tests/support/shapes.h"
+
+using namespace mesocell;
+using namespace mesocell::test;
+
+namespace {
+
+/// Every generator, with each value of the options that change what it does.
+constexpr std::array<const char*, 10> kRecipes = {
+    "voronoi:metric=euclidean",
+    "voronoi:metric=anisotropic",
+    "voronoi:metric=additive",
+    "voronoi:metric=multiplicative",
+    "spheres:",
+    "ellipsoids:flatness=0.7",
+    "worley:keep=above,threshold=0.15",
+    "worley:keep=below,combine=f1,threshold=0.45",
+    "worley:keep=above,combine=2*f3-f1+0.5*f4,threshold=1.7",
+    "bricks:mortar=0.2",
+};
+
+struct NamedTile {
+  std::string name;  ///< tiles of one name are summed up in one line
+  TileMap tile;
+};
+
+/// All that is compared at a resolution.
+std::vector<NamedTile> tiles_to_compare(const Index3& resolution, Rng& rng) {
+  std::vector<NamedTile> tiles;
+  for (const std::string name : kRecipes)
+    for (const std::uint32_t cells : {1u, 24u}) {
+      const bool bricks = name.starts_with("bricks");  // in running bond, so one is too few
+      const std::string recipe = name + (name.back() == ':' ? "" : ",") +
+                                 "cells=" + std::to_string(bricks && cells == 1 ? 2 : cells) +
+                                 ",resolution=" + std::to_string(resolution[0]) + "x" +
+                                 std::to_string(resolution[1]) + "x" + std::to_string(resolution[2]) +
+                                 ",seed=" + std::to_string(rng.bits(30));
+      INFO(recipe);
+      Result<TileMap> tile = make_tile(*parse_recipe(recipe));
+      REQUIRE(tile.ok());
+      tiles.push_back({name, std::move(*tile)});
+    }
+  return tiles;
+}
+
+/// A mesh, in voxels of a grid.
+struct NamedMesh {
+  const char* name;
+  TriangleMesh mesh;
+};
+
+TriangleMesh turned(TriangleMesh mesh, Vec3 to, Rng& rng) {
+  const Rotation r = random_rotation(rng);
+  for (Vec3& v : mesh.vertices)
+    v = Vec3{r[0] * v.x + r[1] * v.y + r[2] * v.z, r[3] * v.x + r[4] * v.y + r[5] * v.z,
+             r[6] * v.x + r[7] * v.y + r[8] * v.z} +
+        to;
+  return mesh;
+}
+
+/// Meshes for a grid of about 60 voxels along each axis.
+std::vector<NamedMesh> meshes_to_compare(const Index3& voxels, Rng& rng) {
+  const Vec3 middle = Vec3{double(voxels[0]), double(voxels[1]), double(voxels[2])} * 0.5;
+  std::vector<NamedMesh> meshes;
+  meshes.push_back({"torus", turned(make_torus({0, 0, 0}, 18, 11, 24, 14), middle, rng)});
+
+  // A box on voxel faces, a ball that overlaps it and leaves the grid, a cavity, and a box within.
+  TriangleMesh shells = make_box({5, 6, 7}, {50, 45, 41});
+  append(shells, turned(make_sphere({0, 0, 0}, 17, 9), middle + Vec3{22, 20, 14}, rng));
+  TriangleMesh cavity = turned(make_sphere({0, 0, 0}, 6, 8), {20, 20, 20}, rng);
+  flip(cavity);
+  append(shells, cavity);
+  append(shells, make_box({33.5, 25.25, 20}, {44, 50.5, 36.75}));
+  meshes.push_back({"overlapping shells", std::move(shells)});
+
+  if (const auto path = find_data("meshes/spot.obj")) {
+    Result<TriangleMesh> spot = read_mesh_file(*path);
+    REQUIRE(spot.ok());
+    const Box3 box = bounding_box(*spot);
+    const Vec3 extent = box.extent();
+    const double scale =
+        (std::min({voxels[0], voxels[1], voxels[2]}) - 2) / std::max({extent.x, extent.y, extent.z});
+    for (Vec3& v : spot->vertices) v = (v - (box.min + box.max) * 0.5) * scale + middle;
+    meshes.push_back({"spot.obj", std::move(*spot)});
+  } else {
+    WARN("spot.obj is not here; skipped");
+  }
+  return meshes;
+}
+
+/// That pieces are at home where their instance's first voxel in storage order is. [spec 4.2]
+bool homes_are_first(const TileMap& tile) {
+  using Place = std::array<std::int64_t, 3>;  // z, y, x
+  std::map<std::uint32_t, Place> first;
+  const Index3& n = tile.resolution;
+  std::uint64_t i = 0;
+  for (std::uint32_t z = 0; z < n[2]; ++z)
+    for (std::uint32_t y = 0; y < n[1]; ++y)
+      for (std::uint32_t x = 0; x < n[0]; ++x, ++i) {
+        const std::uint32_t id = tile.id(i);
+        if (id == 0) continue;
+        const Piece& p = tile.pieces[id - 1];
+        const Place at{z - p.home[2] * std::int64_t{n[2]}, y - p.home[1] * std::int64_t{n[1]},
+                       x - p.home[0] * std::int64_t{n[0]}};
+        const auto [place, added] = first.emplace(p.cell, at);
+        if (!added && at < place->second) place->second = at;
+      }
+  for (const auto& [cell, place] : first)
+    for (std::size_t a = 0; a < 3; ++a)
+      if (place[a] < 0 || place[a] >= n[2 - a]) return false;
+  return first.size() == tile.cell_count;
+}
+
+}  // namespace
+
+TEST_CASE("the table of tiles names every generator and every choice that it offers") {
+  std::string table;
+  for (const char* recipe : kRecipes) table += std::string(recipe) + ",";
+  int choices = 0;
+  const auto find = [&](const std::string& choice) {
+    INFO(choice);
+    CHECK(table.find(choice) != std::string::npos);
+    ++choices;
+  };
+  // Words such as "voronoi:cells=8,resolution=64,seed=1" and "metric=euclidean|anisotropic,".
+  std::istringstream help(tile_generators_help());
+  for (std::string word; help >> word;) {
+    if (const std::size_t options = word.find(":cells="); options != std::string::npos)
+      find(word.substr(0, options + 1));
+    if (word.find('|') == std::string::npos) continue;
+    const std::string option = word.substr(0, word.find('=') + 1);
+    std::istringstream values(word.substr(option.size()));
+    for (std::string value; std::getline(values, value, '|');) find(option + value + ",");
+  }
+  CHECK(choices == 5 + 4 + 2);
+}
+
+TEST_CASE("both membership rules equal brute force for every tile") {
+  Rng rng(20110);
+  struct Sum {
+    std::uint64_t tiles = 0, compared = 0;
+    std::array<std::array<std::uint64_t, 3>, 2> tags{};  // by rule, then tag
+  };
+  std::map<std::string, Sum> sums;
+  std::uint64_t compared = 0;
+  std::set<std::string> meshes_seen;
+  struct Setting {
+    Index3 resolution, tiles;
+  };
+  for (const Setting& s : {Setting{{11, 11, 11}, {6, 6, 6}}, Setting{{20, 7, 12}, {3, 9, 5}}}) {
+    const std::vector<NamedTile> tiles = tiles_to_compare(s.resolution, rng);
+    const Index3 voxels{s.resolution[0] * s.tiles[0], s.resolution[1] * s.tiles[1],
+                        s.resolution[2] * s.tiles[2]};
+    for (const NamedTile& t : tiles) {
+      INFO(t.name);
+      REQUIRE(t.tile.resolution == s.resolution);
+      REQUIRE(homes_are_first(t.tile));
+      ++sums[t.name].tiles;
+    }
+    for (const NamedMesh& m : meshes_to_compare(voxels, rng)) {
+      meshes_seen.insert(m.name);
+      const std::vector<bool> inside = inside_by_definition(m.mesh, voxels);
+      const std::vector<bool> touched = touched_by_definition(m.mesh, voxels);
+      for (const NamedTile& t : tiles)
+        for (const MembershipRule rule : {MembershipRule::kCentre, MembershipRule::kConservative}) {
+          const bool conservative = rule == MembershipRule::kConservative;
+          INFO(m.name << ", " << t.name << ", " << t.tile.cell_count << " cells of " << s.resolution[0] << "x"
+                      << s.resolution[1] << "x" << s.resolution[2] << ", "
+                      << (conservative ? "conservative" : "centre"));
+          const std::vector<Tag> expected =
+              tags_by_definition(inside, s.tiles, t.tile, conservative ? touched : std::vector<bool>{});
+          const Result<MembershipMap> map =
+              compute_membership(m.mesh, s.tiles, t.tile, {.rule = rule, .threads = 1 + rng.below(3)});
+          REQUIRE(map.ok());
+          REQUIRE(map->rule == rule);
+          REQUIRE(expected.size() == map->entries.size() * t.tile.cell_count);
+          CHECK(wrong_tags(*map, expected) == 0);
+          Sum& sum = sums[t.name];
+          sum.compared += expected.size();
+          compared += expected.size();
+          for (const Tag tag : expected) ++sum.tags[conservative][std::size_t(tag)];
+        }
+    }
+  }
+  std::printf("tags compared with brute force, on %zu meshes; inside : outside : intersected\n",
+              meshes_seen.size());
+  for (const auto& [name, sum] : sums) {
+    std::printf("  %-56s %2llu tiles %7llu instances", name.c_str(), (unsigned long long)sum.tiles,
+                (unsigned long long)sum.compared);
+    for (std::size_t rule = 0; rule < 2; ++rule)
+      std::printf("  %s %llu : %llu : %llu", rule ? "conservative" : "centre",
+                  (unsigned long long)sum.tags[rule][std::size_t(Tag::kInside)],
+                  (unsigned long long)sum.tags[rule][std::size_t(Tag::kOutside)],
+                  (unsigned long long)sum.tags[rule][std::size_t(Tag::kIntersected)]);
+    std::printf("\n");
+    // A comparison of nothing but empty space would prove nothing.
+    for (const auto& tags : sum.tags)
+      for (const std::uint64_t n : tags) CHECK(n > 100);
+    // What the surface touches between the centres only the conservative rule sees.
+    CHECK(sum.tags[1][std::size_t(Tag::kInside)] < sum.tags[0][std::size_t(Tag::kInside)]);
+  }
+  std::printf("  in all: %llu instances\n", (unsigned long long)compared);
+  CHECK(compared > 150000 * meshes_seen.size());
+}
