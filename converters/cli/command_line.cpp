@@ -8,11 +8,11 @@
 
 #include "converters/cli/cell_object_asset.h"
 #include "converters/cli/commands.h"
+#include "converters/cli/convert_plan.h"
 #include "converters/cli/exit_codes.h"
 #include "converters/import/mesh_file.h"
 #include "format/container_scan.h"
 #include "sdk/surface/color.h"
-#include "sdk/tiles/tile_spec.h"
 
 namespace mesocell {
 namespace {
@@ -31,8 +31,10 @@ void add_no_clobber(CLI::App& app, bool& no_clobber) {
 }
 
 void add_convert(CLI::App& app, ConvertCommand& command) {
-  CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a closed mesh");
-  sub->add_option("input", command.input, std::string("Mesh: ") + kMeshExtensions)
+  CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a closed mesh, or from a tile alone");
+  sub->add_option("input", command.input,
+                  std::string("Mesh: ") + kMeshExtensions +
+                      "; or tile:RECIPE, to keep and show a tile with each of its cells once")
       ->required()
       ->type_name("MESH");
   sub->add_option("output", command.output, "File to write: .meso")->required()->type_name("OUTPUT");
@@ -44,8 +46,12 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
       ->excludes(tiles);
   sub->add_option("--box", command.box, "Box to cover, instead of the mesh's")
       ->type_name("X0,Y0,Z0,X1,Y1,Z1");
-  sub->add_option("--tile", command.tile, "Recipe of the tile [" + command.tile + "]")->type_name("RECIPE");
-  sub->add_option("--rule", command.rule, "Rule of membership: " + rule_names() + " [" + command.rule + "]")
+  sub->add_option("--tile", command.tile, std::string("Recipe of the tile, or a .meso file to take it from [") + kDefaultTile + "]")
+      ->type_name("RECIPE");
+  sub->add_option("--percolating", command.percolating,
+                  "Imported cells that meet their own copy through the tile's border: cut or refuse [cut]")
+      ->type_name("CHOICE");
+  sub->add_option("--rule", command.rule, "Rule of membership: " + rule_names() + " [centre]")
       ->type_name("RULE");
   sub->add_option("--color", command.color, "Recipe of the color; white if not given")->type_name("RECIPE");
   sub->add_flag("--normals", command.normals, "Store smooth normals at the borders of the cells");
@@ -54,9 +60,11 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->footer(
       "Rules: by centre a cell is inside if all its voxels' centres are; by conservative the surface "
       "must not even touch one of its voxels.\n\nRecipes of tiles:\n" +
-      tile_generators_help() + "\nRecipes of colors:\n" + color_recipes_help() +
+      tile_sources_help() + "\nRecipes of colors:\n" + color_recipes_help() +
       "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
-      "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n");
+      "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n"
+      "  mesocell convert tile:mesh:file=stones.obj,size=2 stones.meso --color stone\n"
+      "  mesocell convert wall.ply wall.meso --tile stones.meso\n");
 }
 
 void add_info(CLI::App& app, InfoCommand& command) {

@@ -16,11 +16,10 @@ namespace mesocell {
 struct ConvertCommand {
   CommonOptions common;
   std::string input, output;
-  std::int64_t tiles = 16;
+  std::optional<std::int64_t> tiles;
   std::optional<double> tile_size;
   std::string box;
-  std::string tile = "voronoi:cells=8,resolution=64,seed=1";
-  std::string rule = "centre";
+  std::optional<std::string> tile, rule, percolating;
   std::optional<std::string> color;
   bool normals = false;
   bool no_clobber = false;

@@ -6,17 +6,12 @@
 
 #include "converters/cli/commands.h"
 #include "converters/cli/representations.h"
-#include "converters/export/image_reader.h"
+#include "converters/image/image_reader.h"
 
 namespace mesocell {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-struct Failure {
-  Error error;
-  std::string subject;
-};
 
 /// Differences over all channels of all pixels.
 struct Figures {

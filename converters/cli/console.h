@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "converters/cli/exit_codes.h"
 #include "format/result.h"
@@ -15,14 +16,27 @@ struct CommonOptions {
   unsigned threads = 0;  ///< 0: the machine's
 };
 
+/// What kept a subcommand from its result, and the file or option that it is of; empty where neither is at
+/// fault.
+struct Failure {
+  Error error;
+  std::string subject;
+};
+
+/// A failure by wrong words on the command line.
+[[nodiscard]] inline Failure usage(std::string subject, std::string message) {
+  return {Error{ErrorCode::kUsage, std::move(message)}, std::move(subject)};
+}
+
 /// Where messages and results go: results to stdout, all else to stderr.
 class Console {
  public:
   explicit Console(const CommonOptions& options) : json_(options.json), quiet_(options.quiet) {}
 
   /// Prints "mesocell: SUBJECT: MESSAGE" and, with --json, an object {"error": …} on stdout. Returns the exit
-  /// code. `subject` is a file or an option; empty where neither is at fault.
+  /// code. `subject` is as of a Failure.
   int fail(const Error& error, const std::string& subject) const;
+  int fail(const Failure& failure) const { return fail(failure.error, failure.subject); }
 
   /// A remark on stderr, unless --quiet.
   void warn(const std::string& subject, std::string_view text) const;

@@ -10,21 +10,15 @@
 #include "converters/cli/progress_bar.h"
 #include "converters/cli/render_plan.h"
 #include "converters/cli/representations.h"
-#include "converters/export/image_file.h"
-#include "converters/export/image_reader.h"
+#include "converters/image/image_file.h"
+#include "converters/image/image_reader.h"
 #include "sdk/shade/clip.h"
 
 namespace mesocell {
 namespace {
 
-using Failure = RenderFailure;
-
 /// An --env that is no file.
 constexpr std::string_view kSkyName = "sky";
-
-Failure usage(std::string subject, std::string message) {
-  return {Error{ErrorCode::kUsage, std::move(message)}, std::move(subject)};
-}
 
 std::optional<Failure> check_outputs(const RenderCommand& command) {
   if (Status status = check_image_path(command.output); !status)
@@ -161,7 +155,7 @@ int run_render(const RenderCommand& command) {
   RenderResult picture;
   const std::optional<Failure> failure = render_file(command, bar.progress(), plan, picture);
   bar.finish();
-  if (failure) return console.fail(failure->error, failure->subject);
+  if (failure) return console.fail(*failure);
   for (const Warning& warning : plan.warnings) console.warn(command.output, warning.text);
   const double rate = picture.seconds > 0 ? double(picture.rays) / picture.seconds : 0;
   if (console.json()) {

@@ -8,15 +8,11 @@
 namespace mesocell {
 namespace {
 
-RenderFailure usage(std::string subject, std::string message) {
-  return {Error{ErrorCode::kUsage, std::move(message)}, std::move(subject)};
-}
-
-std::optional<RenderFailure> parse_vector(const std::string& text, const char* option,
+std::optional<Failure> parse_vector(const std::string& text, const char* option,
                                           std::optional<Vec3>& vector) {
   if (text.empty()) return std::nullopt;
   const Result<Vec3> parsed = parse_vec3(text);
-  if (!parsed) return RenderFailure{parsed.error(), option};
+  if (!parsed) return Failure{parsed.error(), option};
   vector = *parsed;
   return std::nullopt;
 }
@@ -24,7 +20,7 @@ std::optional<RenderFailure> parse_vector(const std::string& text, const char* o
 /// Whether a vector can be scaled to length 1.
 bool has_direction(Vec3 v) { return length(v) > 0 && std::isfinite(length(v)); }
 
-std::optional<RenderFailure> parse_camera(const RenderCommand& command, CameraOptions& camera) {
+std::optional<Failure> parse_camera(const RenderCommand& command, CameraOptions& camera) {
   if (auto failure = parse_vector(command.eye, "--eye", camera.eye)) return failure;
   if (auto failure = parse_vector(command.look, "--look", camera.look)) return failure;
   if (auto failure = parse_vector(command.up, "--up", camera.up)) return failure;
@@ -35,7 +31,7 @@ std::optional<RenderFailure> parse_camera(const RenderCommand& command, CameraOp
   return std::nullopt;
 }
 
-std::optional<RenderFailure> parse_lighting(const RenderCommand& command, Lighting& lighting) {
+std::optional<Failure> parse_lighting(const RenderCommand& command, Lighting& lighting) {
   lighting.bounces = command.bounces.value_or(lighting.bounces);
   lighting.events = command.events.value_or(lighting.events);
   lighting.occlusion_rays = command.ao.value_or(lighting.occlusion_rays);
@@ -55,10 +51,10 @@ std::optional<RenderFailure> parse_lighting(const RenderCommand& command, Lighti
   return std::nullopt;
 }
 
-std::optional<RenderFailure> parse_clip(const RenderCommand& command, std::optional<ClipPlane>& clip) {
+std::optional<Failure> parse_clip(const RenderCommand& command, std::optional<ClipPlane>& clip) {
   if (command.clip.empty()) return std::nullopt;
   const Result<std::array<double, 4>> numbers = parse_numbers<4>(command.clip);
-  if (!numbers) return RenderFailure{numbers.error(), "--clip"};
+  if (!numbers) return Failure{numbers.error(), "--clip"};
   const auto& [x, y, z, distance] = *numbers;
   clip = ClipPlane{{x, y, z}, distance};
   if (has_direction(clip->normal) && std::isfinite(distance / length(clip->normal))) return std::nullopt;
@@ -107,13 +103,13 @@ std::vector<Warning> find_unused(const RenderCommand& command, const RenderOptio
 
 }  // namespace
 
-std::optional<RenderFailure> make_render_plan(const RenderCommand& command, RenderPlan& plan) {
+std::optional<Failure> make_render_plan(const RenderCommand& command, RenderPlan& plan) {
   RenderOptions& options = plan.options;
   const Result<RenderMode> mode = parse_render_mode(command.mode);
-  if (!mode) return RenderFailure{mode.error(), "--mode"};
+  if (!mode) return Failure{mode.error(), "--mode"};
   options.mode = *mode;
   const Result<std::array<std::uint32_t, 2>> size = parse_size(command.size);
-  if (!size) return RenderFailure{size.error(), "--size"};
+  if (!size) return Failure{size.error(), "--size"};
   options.width = (*size)[0];
   options.height = (*size)[1];
   if (auto failure = parse_camera(command, options.camera)) return failure;

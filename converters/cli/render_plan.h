@@ -11,12 +11,6 @@
 
 namespace mesocell {
 
-/// A failure and the file or option that it is of.
-struct RenderFailure {
-  Error error;
-  std::string subject;
-};
-
 struct ClipPlane {
   Vec3 normal;
   double distance = 0;
@@ -31,6 +25,6 @@ struct RenderPlan {
 };
 
 /// Checks every option by itself; reads no file. Fills `plan`.
-[[nodiscard]] std::optional<RenderFailure> make_render_plan(const RenderCommand& command, RenderPlan& plan);
+[[nodiscard]] std::optional<Failure> make_render_plan(const RenderCommand& command, RenderPlan& plan);
 
 }  // namespace mesocell

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -11,7 +12,7 @@ namespace {
 Error usage(std::string text) { return {ErrorCode::kUsage, std::move(text)}; }
 
 template <typename T>
-bool parse(const std::string& text, T& value) {
+bool parse(std::string_view text, T& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc{} && end == text.data() + text.size();
 }
@@ -70,11 +71,60 @@ Result<std::uint64_t> whole_option(const Recipe& recipe, const std::string& name
   return number;
 }
 
+Result<Index3> resolution_option(const Recipe& recipe, const std::string& name, const Index3& fallback,
+                                 std::uint32_t low, std::uint32_t high) {
+  const auto given = recipe.options.find(name);
+  if (given == recipe.options.end()) return fallback;
+  const Error error = usage(name + "=" + given->second + " is not a number of voxels from " +
+                            std::to_string(low) + " to " + std::to_string(high) + ", nor WxHxD of such");
+  std::string_view rest = given->second;
+  Index3 resolution{};
+  std::size_t count = 0;
+  for (bool more = true; more; ++count) {
+    const std::size_t x = rest.find('x');
+    more = x != rest.npos;
+    if (count == 3 || !parse(rest.substr(0, x), resolution[count]) || resolution[count] < low ||
+        resolution[count] > high)
+      return error;
+    if (more) rest.remove_prefix(x + 1);
+  }
+  if (count == 1) return Index3{resolution[0], resolution[0], resolution[0]};
+  return count == 3 ? Result<Index3>(resolution) : Result<Index3>(error);
+}
+
+Result<std::optional<Vec3>> point_option(const Recipe& recipe, const std::string& name) {
+  const auto given = recipe.options.find(name);
+  if (given == recipe.options.end()) return std::optional<Vec3>();
+  std::string_view rest = given->second;
+  Vec3 point;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t x = rest.find('x');
+    if ((x == rest.npos) != (a == 2) || !parse(rest.substr(0, x), point[a]) || !std::isfinite(point[a]))
+      return usage(name + "=" + given->second + " is not a point; write XxYxZ, for example 0.5x-1x2");
+    if (a < 2) rest.remove_prefix(x + 1);
+  }
+  return std::optional<Vec3>(point);
+}
+
+Result<std::size_t> choice_option(const Recipe& recipe, const std::string& name,
+                                  std::initializer_list<std::string_view> choices) {
+  const auto given = recipe.options.find(name);
+  if (given == recipe.options.end()) return std::size_t{0};
+  std::string all;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    const std::string_view choice = choices.begin()[i];
+    if (choice == given->second) return i;
+    all += (all.empty() ? "" : ", ") + std::string(choice);
+  }
+  return usage(name + "=" + given->second + " is not one of: " + all);
+}
+
 Status check_options(const Recipe& recipe, std::string_view kind, std::span<const std::string_view> names) {
   for (const auto& [name, value] : recipe.options) {
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     std::string all;
-    for (const std::string_view n : names) all += (all.empty() ? "" : ", ") + std::string(n);
+    for (const std::string_view n : names)
+      if (!n.empty()) all += (all.empty() ? "" : ", ") + std::string(n);
     return usage(std::string(kind) + " " + recipe.name + " has no option '" + name + "'; it has: " + all);
   }
   return {};

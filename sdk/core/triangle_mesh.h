@@ -24,4 +24,7 @@ struct TriangleMesh {
 /// Signed volume, metres³: positive if a closed mesh is oriented outward. Summed about the box's centre.
 [[nodiscard]] double signed_volume(const TriangleMesh& mesh);
 
+/// For every vertex the first of those at the same place, which stands for them all.
+[[nodiscard]] std::vector<std::uint32_t> merge_identical_vertices(const std::vector<Vec3>& vertices);
+
 }  // namespace mesocell

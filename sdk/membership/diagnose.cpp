@@ -3,30 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 #include <vector>
 
 namespace mesocell {
 namespace {
-
-/// For every vertex the first, in the order of coordinates, that lies at the same place.
-std::vector<std::uint32_t> merge_identical(const std::vector<Vec3>& vertices) {
-  std::vector<std::uint32_t> order(vertices.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto less = [&](std::uint32_t a, std::uint32_t b) {
-    const Vec3 &p = vertices[a], &q = vertices[b];
-    if (p.x != q.x) return p.x < q.x;
-    if (p.y != q.y) return p.y < q.y;
-    if (p.z != q.z) return p.z < q.z;
-    return a < b;
-  };
-  std::sort(order.begin(), order.end(), less);
-  std::vector<std::uint32_t> merged(vertices.size());
-  for (std::size_t k = 0; k < order.size(); ++k)
-    merged[order[k]] =
-        k > 0 && vertices[order[k]] == vertices[order[k - 1]] ? merged[order[k - 1]] : order[k];
-  return merged;
-}
 
 struct HalfEdge {
   std::uint32_t low, high;
@@ -39,7 +19,7 @@ MeshDiagnosis diagnose(const TriangleMesh& mesh) {
   MeshDiagnosis d;
   d.triangles = mesh.triangles.size();
   // Coordinates that are not finite would break the order that merging sorts by; readers refuse them.
-  const std::vector<std::uint32_t> merged = merge_identical(mesh.vertices);
+  const std::vector<std::uint32_t> merged = merge_identical_vertices(mesh.vertices);
   std::vector<HalfEdge> edges;
   edges.reserve(mesh.triangles.size() * 3);
   for (const Triangle& t : mesh.triangles) {

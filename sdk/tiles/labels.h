@@ -27,10 +27,10 @@ enum class Percolating : std::uint8_t {
 };
 
 /// Makes the tile of a label volume. A cell is what is connected through faces, edges and corners (26
-/// neighbours), around the torus; so a label of several parts gives several cells, in the order of their labels,
-/// then of their first voxels. Untrusted input: safe. Errors: kInvalidInput (a resolution not in 4…1024, no
-/// voxel that is not empty, refused cells), kLimit (more than 65 535 cells, or cells longer than 100 tiles),
-/// kCancelled.
+/// neighbours), around the torus; so a label of several parts gives several cells, in the order of their
+/// labels, then of their first voxels. Untrusted input: safe. Errors: kInvalidInput (a resolution not in
+/// 4…1024, no voxel that is not empty, refused cells), kLimit (more than 65 535 cells, or cells longer than
+/// 100 tiles), kCancelled.
 [[nodiscard]] Result<TileMap> make_label_tile(const LabelVolume& volume, Percolating percolating,
                                               unsigned threads = 0, TileReport* report = nullptr,
                                               const Progress* progress = nullptr);

@@ -2,9 +2,9 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "format/cell_object.h"
+#include "sdk/tiles/assemble.h"
 #include "sdk/tiles/tile_spec.h"
 
 namespace mesocell {
@@ -36,24 +36,18 @@ class TileBuilder {
   }
 
   /// Gives voxel `i` (x fastest) to a code. Different voxels may be set from different threads.
-  void set(std::uint64_t i, std::uint32_t code) {
-    for (std::uint32_t b = 0; b < code_bytes_; ++b)
-      codes_[i * code_bytes_ + b] = std::uint8_t(code >> (8 * b));
-  }
+  void set(std::uint64_t i, std::uint32_t code) { codes_.set(i, code); }
 
   /// The finished tile. Cells that got no voxel are left out and the rest renumbered in order; the report
-  /// says how many. At least one voxel must have been set (assert). The builder is spent.
-  [[nodiscard]] TileMap finish(unsigned threads, TileReport* report);
+  /// says how many. At least one voxel must have been set (assert).
+  [[nodiscard]] TileMap finish(unsigned threads, TileReport* report) const;
 
  private:
-  [[nodiscard]] std::uint32_t get(std::uint64_t i) const;
-
   Index3 resolution_;
   std::uint32_t cells_;
   std::int32_t reach_;
   std::uint32_t images_;
-  std::uint32_t code_bytes_;
-  std::vector<std::uint8_t> codes_;
+  VoxelCodes codes_;
 };
 
 }  // namespace mesocell

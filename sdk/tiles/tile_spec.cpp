@@ -1,8 +1,6 @@
 #include "sdk/tiles/tile_spec.h"
 
 #include <array>
-#include <charconv>
-#include <optional>
 #include <vector>
 
 #include "sdk/tiles/generators.h"
@@ -44,41 +42,29 @@ constexpr Generator kGenerators[] = {
 
 Error usage(std::string text) { return {ErrorCode::kUsage, std::move(text)}; }
 
-/// "128" or "96x64x128".
-std::optional<Index3> to_resolution(std::string_view text) {
-  const auto number = [](std::string_view part) -> std::optional<std::uint32_t> {
-    std::uint32_t n = 0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), n);
-    if (error != std::errc{} || end != part.data() + part.size() || n < 4 || n > 1024) return std::nullopt;
-    return n;
-  };
-  if (const auto all = number(text)) return Index3{*all, *all, *all};
-  Index3 r{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t x = text.find('x');
-    if ((x == std::string_view::npos) != (a == 2)) return std::nullopt;
-    const auto n = number(text.substr(0, x));
-    if (!n) return std::nullopt;
-    r[a] = *n;
-    if (a < 2) text.remove_prefix(x + 1);
-  }
-  return r;
+const Generator* find_generator(std::string_view name) {
+  for (const Generator& generator : kGenerators)
+    if (generator.name == name) return &generator;
+  return nullptr;
 }
 
 }  // namespace
 
+std::string tile_generator_names() {
+  std::string names;
+  for (const Generator& g : kGenerators) names += (names.empty() ? "" : ", ") + std::string(g.name);
+  return names;
+}
+
+bool is_tile_generator(std::string_view name) { return find_generator(name) != nullptr; }
+
 Result<TileMap> make_tile(const Recipe& recipe, unsigned threads, TileReport* report,
                           const Progress* progress) {
-  const Generator* generator = nullptr;
-  std::string names;
-  for (const Generator& g : kGenerators) {
-    if (g.name == recipe.name) generator = &g;
-    names += (names.empty() ? "" : ", ") + std::string(g.name);
-  }
-  if (!generator) return usage("unknown tile generator '" + recipe.name + "'; there are: " + names);
+  const Generator* generator = find_generator(recipe.name);
+  if (!generator)
+    return usage("unknown tile generator '" + recipe.name + "'; there are: " + tile_generator_names());
   std::vector<std::string_view> known{"cells", "resolution", "seed"};
-  for (const std::string_view own : generator->own)
-    if (!own.empty()) known.push_back(own);
+  known.insert(known.end(), generator->own.begin(), generator->own.end());
   if (const Status status = check_options(recipe, "tile generator", known); !status) return status.error();
 
   GeneratorOptions options;
@@ -91,13 +77,9 @@ Result<TileMap> make_tile(const Recipe& recipe, unsigned threads, TileReport* re
   const auto seed = whole_option(recipe, "seed", options.seed, 0, ~std::uint64_t{0});
   if (!seed) return seed.error();
   options.seed = *seed;
-  if (const auto given = recipe.options.find("resolution"); given != recipe.options.end()) {
-    const auto resolution = to_resolution(given->second);
-    if (!resolution)
-      return usage("resolution=" + given->second +
-                   " is not a number of voxels from 4 to 1024, nor WxHxD of such");
-    options.resolution = *resolution;
-  }
+  const auto resolution = resolution_option(recipe, "resolution", options.resolution, 4, 1024);
+  if (!resolution) return resolution.error();
+  options.resolution = *resolution;
   const std::uint64_t voxels =
       std::uint64_t{options.resolution[0]} * options.resolution[1] * options.resolution[2];
   if (options.cells > voxels)

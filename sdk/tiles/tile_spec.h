@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "format/cell_object.h"
 #include "format/result.h"
@@ -22,6 +23,10 @@ struct TileReport {
 /// and for every number of threads.
 [[nodiscard]] Result<TileMap> make_tile(const Recipe& recipe, unsigned threads = 0,
                                         TileReport* report = nullptr, const Progress* progress = nullptr);
+
+/// All names of generators, with commas between them, and whether a name is one.
+[[nodiscard]] std::string tile_generator_names();
+[[nodiscard]] bool is_tile_generator(std::string_view name);
 
 /// The generators and their options, a line each, for help texts.
 [[nodiscard]] std::string tile_generators_help();

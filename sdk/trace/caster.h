@@ -13,6 +13,7 @@ struct Hit {
   double t = 0;               ///< ray parameter; metres if the ray's direction has length 1
   std::uint32_t label = 0;    ///< what was hit: of a cell object the cell, from 1
   std::int64_t instance = 0;  ///< which copy of it: of a cell object the index of the home tile
+  std::uint32_t placement = 0;  ///< which asset of a scene
   std::array<std::int64_t, 3>
       element{};        ///< the smallest part that was hit: of a cell object the grid's voxel
   Vec3 face_normal;     ///< unit normal of the face entered; zero if the ray began inside

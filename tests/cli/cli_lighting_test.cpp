@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "converters/export/image_file.h"
+#include "converters/image/image_file.h"
 #include "tests/cli/picture_scene.h"
 #include "tests/support/catch.h"
 

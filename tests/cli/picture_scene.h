@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "converters/export/image_reader.h"
+#include "converters/image/image_reader.h"
 #include "tests/cli/run_command.h"
 #include "tests/import/mesh_bytes.h"
 

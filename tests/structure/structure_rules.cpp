@@ -51,8 +51,8 @@ constexpr std::array<Folder, 14> kFolders = {{
     {"sdk/trace/", "format/ sdk/core/ "},
     {"sdk/shade/", "format/ sdk/core/ sdk/trace/ "},
     {"sdk/measure/", "format/ sdk/core/ sdk/trace/ "},
-    {"converters/import/", "format/ sdk/ "},
-    {"converters/export/", "format/ sdk/ "},
+    {"converters/image/", "format/ sdk/ "},
+    {"converters/import/", "format/ sdk/ converters/image/ "},
     {"converters/cli/", "format/ sdk/ converters/ "},
     {"samples/", "format/ sdk/ converters/ "},
 }};
@@ -66,7 +66,7 @@ struct ThirdParty {
 constexpr std::array<ThirdParty, 8> kThirdParties = {{
     {"CGAL/", "sdk/membership/ "},
     {"OpenMesh/", "converters/import/openmesh_reader.cpp "},
-    {"OpenImageIO/", "converters/export/image_module.cpp "},
+    {"OpenImageIO/", "converters/image/image_module.cpp "},
     {"CLI/", "converters/cli/command_line.cpp "},
     {"nlohmann/", "converters/cli/ "},
     {"zstd", "format/ "},

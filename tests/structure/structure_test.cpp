@@ -67,9 +67,10 @@ TEST_CASE("planted violations are caught") {
   CHECK(broken("sdk/author/a.cpp", "#include \"converters/import/mesh_file.h\"\n") == 1);
   CHECK(broken("converters/import/a.cpp", "#include \"converters/cli/console.h\"\n") == 1);
   CHECK(broken("converters/import/a.cpp", "#include \"mesh_file.h\"\n") == 1);
+  CHECK(broken("converters/image/a.cpp", "#include \"converters/import/mesh_file.h\"\n") == 1);
   CHECK(broken("sdk/author/a.cpp", "#include <CGAL/Uncertain.h>\n") == 1);
   CHECK(broken("converters/cli/a.cpp", "#include <OpenMesh/Core/IO/IOManager.hh>\n") == 1);
-  CHECK(broken("converters/export/image_file.cpp", "#include <OpenImageIO/imageio.h>\n") == 1);
+  CHECK(broken("converters/image/image_file.cpp", "#include <OpenImageIO/imageio.h>\n") == 1);
   CHECK(broken("converters/cli/info.cpp", "#include <CLI/CLI.hpp>\n") == 1);
   CHECK(broken("sdk/core/a.cpp", "#include <zstd.h>\n") == 1);
   CHECK(broken("format/loader/mesocell_loader.cpp", "#include \"format/container.h\"\n") == 1);

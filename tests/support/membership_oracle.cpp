@@ -57,11 +57,14 @@ bool meets_voxel(const std::array<Vec3, 3>& triangle, const std::array<std::int6
   return !polygon.empty();
 }
 
-/// Whether a voxel is farther from the triangle's plane than rounding can hide, so that it need not be looked at.
+/// Whether a voxel is farther from the triangle's plane than rounding can hide, so that it need not be looked
+/// at.
 class FarFromPlane {
  public:
   explicit FarFromPlane(const std::array<Vec3, 3>& t)
-      : a_(t[0]), normal_(cross(t[1] - t[0], t[2] - t[0])), size_(length(t[1] - t[0]) * length(t[2] - t[0])) {}
+      : a_(t[0]),
+        normal_(cross(t[1] - t[0], t[2] - t[0])),
+        size_(length(t[1] - t[0]) * length(t[2] - t[0])) {}
 
   bool operator()(const std::array<std::int64_t, 3>& voxel) const {
     const Vec3 c = Vec3{double(voxel[0]) + 0.5, double(voxel[1]) + 0.5, double(voxel[2]) + 0.5} - a_;

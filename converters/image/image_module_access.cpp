@@ -1,6 +1,6 @@
-#include "converters/export/image_module_access.h"
+#include "converters/image/image_module_access.h"
 
-#include "converters/export/module_loader.h"
+#include "converters/image/module_loader.h"
 
 namespace mesocell {
 

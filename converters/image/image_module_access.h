@@ -1,6 +1,6 @@
 #pragma once
 
-#include "converters/export/image_module.h"
+#include "converters/image/image_module.h"
 #include "format/result.h"
 
 namespace mesocell {

@@ -1,4 +1,4 @@
-#include "converters/export/image_file.h"
+#include "converters/image/image_file.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "converters/export/image_module_access.h"
+#include "converters/image/image_module_access.h"
 #include "format/file.h"
 
 namespace mesocell {

@@ -1,4 +1,4 @@
-#include "converters/export/module_loader.h"
+#include "converters/image/module_loader.h"
 
 #include <dlfcn.h>
 

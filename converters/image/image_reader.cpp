@@ -1,4 +1,4 @@
-#include "converters/export/image_reader.h"
+#include "converters/image/image_reader.h"
 
 #include <sys/stat.h>
 
@@ -12,7 +12,7 @@
 #include <memory>
 #include <new>
 
-#include "converters/export/image_module_access.h"
+#include "converters/image/image_module_access.h"
 
 namespace mesocell {
 namespace {

@@ -1,4 +1,4 @@
-#include "converters/export/image_module.h"
+#include "converters/image/image_module.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,0 +1,101 @@
+#include "converters/cli/convert_plan.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "converters/cli/cell_object_asset.h"
+#include "converters/cli/shape_source.h"
+#include "converters/cli/values.h"
+#include "converters/import/mesh_file.h"
+
+namespace mesocell {
+namespace {
+
+std::optional<Failure> check_files(const ConvertCommand& command, const ConvertPlan& plan) {
+  if (has_extension(command.input, ".meso") && !tile_of_input(command.input))
+    return usage(command.input, "converting from .meso is not available; the input must be a mesh: " +
+                                    std::string(kMeshExtensions));
+  if (!has_extension(command.output, ".meso"))
+    return usage(command.output, "a mesh can be converted to .meso alone; give the output that extension");
+  for (const std::string& input : {command.input, plan.tile.saved})
+    if (!input.empty() && same_file(input, command.output))
+      return usage(command.output, "input and output are the same file; name another output");
+  if (Status status = check_output(command.output, command.no_clobber); !status)
+    return Failure{status.error(), command.output};
+  return std::nullopt;
+}
+
+std::optional<Failure> parse_tile(const ConvertCommand& command, ConvertPlan& plan) {
+  const std::optional<std::string> shown = tile_of_input(command.input);
+  const std::string option = shown ? command.input : "--tile";
+  Result<TileSource> tile = parse_tile_source(shown ? *shown : command.tile.value_or(kDefaultTile), option);
+  if (!tile) return Failure{tile.error(), option};
+  plan.tile = std::move(*tile);
+  plan.tile_options.threads = command.common.threads;
+  const std::string percolating = command.percolating.value_or("cut");
+  if (percolating != "cut" && percolating != "refuse")
+    return usage("--percolating", "unknown choice '" + percolating + "'; there are: cut, refuse");
+  if (percolating == "refuse") plan.tile_options.percolating = Percolating::kRefuse;
+  return std::nullopt;
+}
+
+std::optional<Failure> parse_grid(const ConvertCommand& command, AuthorOptions& author) {
+  const std::string rule_name = command.rule.value_or("centre");
+  const std::optional<MembershipRule> rule = find_rule(rule_name);
+  if (!rule) return usage("--rule", "unknown rule '" + rule_name + "'; there are: " + rule_names());
+  author.rule = *rule;
+  author.threads = command.common.threads;
+  const std::int64_t tiles = command.tiles.value_or(kDefaultTiles);
+  if (tiles <= 0) return usage("--tiles", "there must be at least one tile; give a number from 1");
+  if (command.tile_size && !(*command.tile_size > 0 && std::isfinite(*command.tile_size)))
+    return usage("--tile-size", "it must be a finite number of metres above 0; give the edge of a tile");
+  if (tiles > 0xffff'ffff)
+    return Failure{Error{ErrorCode::kLimit, "so many tiles are more than can be counted; use fewer"},
+                   "--tiles"};
+  author.grid.tiles = std::uint32_t(tiles);
+  author.grid.tile_size = command.tile_size;
+  if (command.box.empty()) return std::nullopt;
+  const Result<std::array<double, 6>> box = parse_numbers<6>(command.box);
+  if (!box) return Failure{box.error(), "--box"};
+  const std::array<double, 6>& b = *box;
+  if (!(b[0] < b[3] && b[1] < b[4] && b[2] < b[5]))
+    return usage("--box", "the box has no room; write its lesser corner first: x0,y0,z0,x1,y1,z1");
+  author.grid.box = Box3{};
+  author.grid.box->add({b[0], b[1], b[2]});
+  author.grid.box->add({b[3], b[4], b[5]});
+  return std::nullopt;
+}
+
+/// Says of every option that was given and does nothing why that is so.
+void find_unused(const ConvertCommand& command, ConvertPlan& plan) {
+  const auto unused = [&](bool given, const char* option, const char* why) {
+    if (given) plan.warnings.push_back({"option-unused", std::string(option) + " has no effect " + why});
+  };
+  if (tile_of_input(command.input)) {
+    const char* why = "where the cells of a tile are shown by themselves";
+    unused(command.tiles.has_value(), "--tiles", why);
+    unused(command.tile_size.has_value(), "--tile-size", why);
+    unused(!command.box.empty(), "--box", why);
+    unused(command.tile.has_value(), "--tile", why);
+    unused(command.rule.has_value(), "--rule", why);
+  }
+  unused(command.percolating && !reads_labels(plan.tile), "--percolating",
+         "on a tile that is not made of labels");
+}
+
+}  // namespace
+
+std::optional<Failure> make_convert_plan(const ConvertCommand& command, ConvertPlan& plan) {
+  if (auto failure = parse_tile(command, plan)) return failure;
+  if (command.color) {
+    Result<Recipe> color = parse_recipe(*command.color);
+    if (!color) return Failure{color.error(), "--color"};
+    plan.color = std::move(*color);
+  }
+  if (auto failure = parse_grid(command, plan.author)) return failure;
+  find_unused(command, plan);
+  return check_files(command, plan);
+}
+
+}  // namespace mesocell

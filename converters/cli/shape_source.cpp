@@ -1,0 +1,61 @@
+#include "converters/cli/shape_source.h"
+
+#include <string_view>
+#include <utility>
+
+#include "converters/import/mesh_file.h"
+#include "sdk/author/tile_sample.h"
+
+namespace mesocell {
+namespace {
+
+constexpr std::string_view kTilePrefix = "tile:";
+
+/// A closed mesh, filled with tiles.
+class MeshShape final : public ShapeSource {
+ public:
+  explicit MeshShape(TriangleMesh mesh) : mesh_(std::move(mesh)) {}
+  [[nodiscard]] Result<CellObject> fill(TileMap tile, const AuthorOptions& options, AuthorReport& report,
+                                        const Progress& progress) const override {
+    return author_cell_object(mesh_, std::move(tile), options, &report, &progress);
+  }
+  [[nodiscard]] const TriangleMesh* surface() const override { return &mesh_; }
+
+ private:
+  TriangleMesh mesh_;
+};
+
+/// The cells of a tile themselves.
+class TileShape final : public ShapeSource {
+ public:
+  [[nodiscard]] Result<CellObject> fill(TileMap tile, const AuthorOptions&, AuthorReport&,
+                                        const Progress&) const override {
+    return make_tile_sample(std::move(tile));
+  }
+};
+
+}  // namespace
+
+std::optional<std::string> tile_of_input(const std::string& input) {
+  if (!input.starts_with(kTilePrefix)) return std::nullopt;
+  return input.substr(kTilePrefix.size());
+}
+
+std::optional<Failure> read_shape(const std::string& input, const Progress& progress,
+                                  std::unique_ptr<ShapeSource>& shape, std::vector<Warning>& warnings) {
+  if (tile_of_input(input)) {
+    shape = std::make_unique<TileShape>();
+    return std::nullopt;
+  }
+  MeshReadReport report;
+  Result<TriangleMesh> mesh = read_mesh_file(input, {}, &report, &progress);
+  if (!mesh) return Failure{mesh.error(), input};
+  if (report.dropped_faces > 0)
+    warnings.push_back(
+        {"faces-dropped", std::to_string(report.dropped_faces) +
+                              " triangles with two equal corners were left out; they enclose nothing"});
+  shape = std::make_unique<MeshShape>(std::move(*mesh));
+  return std::nullopt;
+}
+
+}  // namespace mesocell

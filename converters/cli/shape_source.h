@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "converters/cli/console.h"
+#include "format/cell_object.h"
+#include "sdk/author/cell_object.h"
+#include "sdk/core/progress.h"
+#include "sdk/core/triangle_mesh.h"
+
+namespace mesocell {
+
+/// What the input of `convert` gives a cell object its shape by.
+class ShapeSource {
+ public:
+  virtual ~ShapeSource() = default;
+
+  /// Fills the shape with a tile. Errors: those of author_cell_object().
+  [[nodiscard]] virtual Result<CellObject> fill(TileMap tile, const AuthorOptions& options,
+                                                AuthorReport& report, const Progress& progress) const = 0;
+  /// The surface of the shape, metres; null if it has none but the cells'.
+  [[nodiscard]] virtual const TriangleMesh* surface() const { return nullptr; }
+};
+
+/// The tile that an input shows alone, as for --tile; none if the input is a shape to be filled.
+[[nodiscard]] std::optional<std::string> tile_of_input(const std::string& input);
+
+/// Reads the input of `convert`; remarks are added to `warnings`. Untrusted input: safe.
+[[nodiscard]] std::optional<Failure> read_shape(const std::string& input, const Progress& progress,
+                                                std::unique_ptr<ShapeSource>& shape,
+                                                std::vector<Warning>& warnings);
+
+}  // namespace mesocell

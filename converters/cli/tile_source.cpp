@@ -1,0 +1,197 @@
+#include "converters/cli/tile_source.h"
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+#include "converters/cli/commands.h"
+#include "converters/import/mesh_file.h"
+#if __has_include("converters/import/volume_file.h")
+#include "converters/import/volume_file.h"
+#define HAVE_VOLUME
+#endif
+#include "format/cell_object_io.h"
+#include "sdk/author/mesh_tile.h"
+#include "sdk/tiles/tile_spec.h"
+
+namespace mesocell {
+namespace {
+
+/// What an import is given.
+struct Import {
+  const Recipe& recipe;
+  const std::string& file;
+  const TileSourceOptions& options;
+  const Progress& progress;
+};
+
+constexpr Index3 kResolution{64, 64, 64};
+
+Result<TileMap> import_meshes(const Import& import, TileReport& report) {
+  const auto resolution = resolution_option(import.recipe, "resolution", kResolution, 4, 1024);
+  if (!resolution) return resolution.error();
+  const auto size = number_option(import.recipe, "size", 0, 1e-300, 1e300);
+  if (!size) return size.error();
+  const auto origin = point_option(import.recipe, "origin");
+  if (!origin) return origin.error();
+  const auto cells = choice_option(import.recipe, "cells", {"parts", "file"});
+  if (!cells) return cells.error();
+
+  const Result<TriangleMesh> mesh = read_mesh_file(import.file, {}, nullptr, &import.progress);
+  if (!mesh) return mesh.error();
+  TilePlacement placement = place_tile(bounding_box(*mesh), *resolution, *size);
+  if (*origin) placement.origin = **origin;
+  const std::vector<TriangleMesh> parts =
+      *cells == 0 ? split_into_parts(*mesh) : std::vector<TriangleMesh>{*mesh};
+  return make_mesh_tile(parts, *resolution, placement, import.options.threads, &report, &import.progress);
+}
+
+#ifdef HAVE_VOLUME
+Result<TileMap> import_labels(const Import& import, TileReport& report) {
+  VolumeReadOptions read;
+  if (import.recipe.options.contains("resolution")) {
+    const auto resolution = resolution_option(import.recipe, "resolution", kResolution, 4, 1024);
+    if (!resolution) return resolution.error();
+    read.raw_resolution = *resolution;
+  }
+  const Result<LabelVolume> volume = read_label_volume(import.file, read, &import.progress);
+  if (!volume) return volume.error();
+  return make_label_tile(*volume, import.options.percolating, import.options.threads, &report,
+                         &import.progress);
+}
+
+#endif
+struct Importer {
+  std::string_view name, help;
+  std::array<std::string_view, 5> options;  ///< the rest empty
+  std::string_view options_help;
+  Result<TileMap> (*make)(const Import&, TileReport&);
+};
+
+constexpr Importer kImporters[] = {
+    {"mesh",
+     "closed meshes as cells, wrapping through the border of the tile",
+     {"file", "resolution", "size", "origin", "cells"},
+     "mesh:file=stones.obj,resolution=64\n"
+     "    size: the tile's longest edge in the file's units [all meshes fit in]; origin=XxYxZ: the tile's\n"
+     "    corner [centred]; cells=parts|file: a cell for each part that is not connected [parts], or one",
+     import_meshes},
+#ifdef HAVE_VOLUME
+    {"labels",
+     "a volume of labels, 0 for empty space: a folder of pictures, a TIFF of several, or .raw",
+     {"file", "resolution"},
+     "labels:file=slices/\n"
+     "    resolution=WxHxD is needed for .raw alone; --percolating says what is done with a cell that\n"
+     "    meets its own copy through the border",
+     import_labels},
+#endif
+};
+
+std::string names_of_tiles() {
+  std::string names = tile_generator_names();
+  for (const Importer& importer : kImporters) names += ", " + std::string(importer.name);
+  return names;
+}
+
+/// Files by their names alone: where they lie is of no interest to whoever gets the asset.
+Recipe without_folders(Recipe recipe) {
+  if (const auto file = recipe.options.find("file"); file != recipe.options.end()) {
+    const std::filesystem::path path = file->second;
+    file->second = (path.has_filename() ? path : path.parent_path()).filename().string();
+  }
+  return recipe;
+}
+
+std::string plural(std::uint64_t count, const char* one, const char* several) {
+  return std::to_string(count) + " " + (count == 1 ? one : several);
+}
+
+/// What the report has to say, as warnings.
+void add_warnings(const TileReport& report, std::vector<Warning>& warnings) {
+  if (report.dropped_cells > 0)
+    warnings.push_back({"cells-dropped", plural(report.dropped_cells, "cell of the tile got no voxel and was",
+                                                "cells of the tile got no voxel and were") +
+                                             " left out; use fewer cells or a higher resolution"});
+  if (report.percolating_cells > 0)
+    warnings.push_back(
+        {"tile-percolates",
+         plural(report.percolating_cells, "cell meets its own copy", "cells meet their own copies") +
+             " through the border of the tile and had to be cut, at the middle between them"});
+  if (report.contested_voxels > 0)
+    warnings.push_back(
+        {"cells-overlap", plural(report.contested_voxels, "voxel is", "voxels are") +
+                              " inside several cells and went to the first; move the meshes apart"});
+}
+
+std::optional<Failure> take_saved(const TileSource& source, SourcedTile& tile) {
+  const Result<std::vector<std::byte>> bytes = read_input(source.saved, ReadLimits{}.max_file_bytes);
+  if (!bytes) return Failure{bytes.error(), source.saved};
+  Result<CellObject> object = read_cell_object(*bytes);
+  if (!object) return Failure{object.error(), source.saved};
+  tile.recipe = std::filesystem::path(source.saved).filename().string();
+  for (const auto& [key, value] : object->metadata) {
+    if (key == "tile") tile.recipe = value;
+    if (key == "color") tile.color_recipe = value;
+  }
+  tile.tile = std::move(object->tile);
+  tile.colors = {std::move(object->color), std::move(object->cell_colors)};
+  tile.normals = std::move(object->normals);
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<TileSource> parse_tile_source(const std::string& text, std::string option) {
+  TileSource source;
+  source.option = std::move(option);
+  if (has_extension(text, ".meso")) {
+    source.saved = text;
+    return source;
+  }
+  Result<Recipe> recipe = parse_recipe(text);
+  if (!recipe) return recipe.error();
+  source.recipe = std::move(*recipe);
+  return source;
+}
+
+bool reads_labels(const TileSource& source) { return source.saved.empty() && source.recipe.name == "labels"; }
+
+std::optional<Failure> make_sourced_tile(const TileSource& source, const TileSourceOptions& options,
+                                         const Progress& progress, SourcedTile& tile) {
+  if (!source.saved.empty()) return take_saved(source, tile);
+  TileReport report;
+  const auto keep = [&](Result<TileMap> made) {
+    tile.tile = std::move(*made);
+    tile.recipe = to_text(without_folders(source.recipe));
+    add_warnings(report, tile.warnings);
+    return std::nullopt;
+  };
+  for (const Importer& importer : kImporters) {
+    if (importer.name != source.recipe.name) continue;
+    if (const Status status = check_options(source.recipe, "tile import", importer.options); !status)
+      return Failure{status.error(), source.option};
+    const auto file = source.recipe.options.find("file");
+    if (file == source.recipe.options.end())
+      return usage(source.option, "a file is missing; write " + source.recipe.name + ":file=NAME");
+    Result<TileMap> made = importer.make({source.recipe, file->second, options, progress}, report);
+    if (made) return keep(std::move(made));
+    return Failure{made.error(), made.error().code == ErrorCode::kUsage ? source.option : file->second};
+  }
+  if (!is_tile_generator(source.recipe.name))
+    return usage(source.option, "there is no tile '" + source.recipe.name +
+                                    "'; there are: " + names_of_tiles() + ", and files .meso");
+  Result<TileMap> made = make_tile(source.recipe, options.threads, &report, &progress);
+  if (!made) return Failure{made.error(), source.option};
+  return keep(std::move(made));
+}
+
+std::string tile_sources_help() {
+  std::string text = tile_generators_help();
+  for (const Importer& importer : kImporters)
+    text += std::string(importer.name) + ": " + std::string(importer.help) + "\n    " +
+            std::string(importer.options_help) + "\n";
+  return text + "FILE.meso: the tile of that file, with its colors and normals\n";
+}
+
+}  // namespace mesocell
