@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <set>
@@ -8,9 +9,10 @@
 #include <vector>
 
 #include "converters/import/mesh_file.h"
-#include "sdk/author/cell_object.h"
+#include "sdk/author/mesh_tile.h"
 #include "sdk/core/rng.h"
 #include "sdk/membership/membership.h"
+#include "sdk/tiles/labels.h"
 #include "sdk/tiles/random_rotation.h"
 #include "sdk/tiles/tile_spec.h"
 #include "tests/support/catch.h"
@@ -42,6 +44,39 @@ struct NamedTile {
   TileMap tile;
 };
 
+/// Labels of the nearest of some points, empty far from all; what reaches the border ends there, or goes on
+/// with what is labelled alike, and may meet its own copy.
+LabelVolume random_labels(const Index3& n, std::uint32_t points, Rng& rng) {
+  LabelVolume volume{n, {}};
+  std::vector<Vec3> at;
+  for (std::uint32_t k = 0; k < points; ++k)
+    at.push_back({rng.uniform(0, n[0]), rng.uniform(0, n[1]), rng.uniform(0, n[2])});
+  const double reach = 0.8 * std::cbrt(double(volume.voxel_count()) / points);
+  for (std::uint32_t z = 0; z < n[2]; ++z)
+    for (std::uint32_t y = 0; y < n[1]; ++y)
+      for (std::uint32_t x = 0; x < n[0]; ++x) {
+        std::uint32_t label = 0;
+        double nearest = reach;
+        for (std::uint32_t k = 0; k < points; ++k)
+          if (const double d = length(Vec3{x + 0.5, y + 0.5, z + 0.5} - at[k]); d < nearest) {
+            nearest = d;
+            label = 1 + k % 16;
+          }
+        volume.labels.push_back(label);
+      }
+  return volume;
+}
+
+/// Balls that stick out of the tile, in voxels of it; one alone overlaps its own copies.
+std::vector<TriangleMesh> random_balls(const Index3& n, std::uint32_t count, Rng& rng) {
+  std::vector<TriangleMesh> balls;
+  const double radius = 0.55 * std::cbrt(double(n[0]) * n[1] * n[2] / count);
+  for (std::uint32_t k = 0; k < count; ++k)
+    balls.push_back(
+        make_sphere({rng.uniform(0, n[0]), rng.uniform(0, n[1]), rng.uniform(0, n[2])}, radius, 6));
+  return balls;
+}
+
 /// All that is compared at a resolution.
 std::vector<NamedTile> tiles_to_compare(const Index3& resolution, Rng& rng) {
   std::vector<NamedTile> tiles;
@@ -58,6 +93,15 @@ std::vector<NamedTile> tiles_to_compare(const Index3& resolution, Rng& rng) {
       REQUIRE(tile.ok());
       tiles.push_back({name, std::move(*tile)});
     }
+  const auto add = [&](const char* name, Result<TileMap> tile) {
+    INFO(name);
+    REQUIRE(tile.ok());
+    tiles.push_back({name, std::move(*tile)});
+  };
+  for (const std::uint32_t cells : {1u, 24u}) {
+    add("import: labels", make_label_tile(random_labels(resolution, cells, rng), Percolating::kCut));
+    add("import: meshes", make_mesh_tile(random_balls(resolution, cells, rng), resolution, {{0, 0, 0}, 1}));
+  }
   return tiles;
 }
 

@@ -49,6 +49,12 @@ std::vector<Point> clip(const std::vector<Point>& polygon, std::size_t axis, int
 
 bool meets_voxel(const std::array<Vec3, 3>& triangle, const std::array<std::int64_t, 3>& voxel) {
   std::vector<Point> polygon;
+  for (const Vec3& v : triangle) {
+    bool within = true;
+    for (std::size_t a = 0; a < 3; ++a)
+      within = within && v[a] >= double(voxel[a]) && v[a] <= double(voxel[a] + 1);
+    if (within) return true;
+  }
   for (const Vec3& v : triangle) polygon.push_back({mpq_class(v.x), mpq_class(v.y), mpq_class(v.z)});
   for (std::size_t a = 0; a < 3 && !polygon.empty(); ++a) {
     polygon = clip(polygon, a, 1, mpq_class(long(voxel[a])));
