@@ -1,11 +1,11 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <map>
-#include <set>
 #include <sstream>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "converters/import/mesh_file.h"
@@ -105,12 +105,6 @@ std::vector<NamedTile> tiles_to_compare(const Index3& resolution, Rng& rng) {
   return tiles;
 }
 
-/// A mesh, in voxels of a grid.
-struct NamedMesh {
-  const char* name;
-  TriangleMesh mesh;
-};
-
 TriangleMesh turned(TriangleMesh mesh, Vec3 to, Rng& rng) {
   const Rotation r = random_rotation(rng);
   for (Vec3& v : mesh.vertices)
@@ -120,34 +114,8 @@ TriangleMesh turned(TriangleMesh mesh, Vec3 to, Rng& rng) {
   return mesh;
 }
 
-/// Meshes for a grid of about 60 voxels along each axis.
-std::vector<NamedMesh> meshes_to_compare(const Index3& voxels, Rng& rng) {
-  const Vec3 middle = Vec3{double(voxels[0]), double(voxels[1]), double(voxels[2])} * 0.5;
-  std::vector<NamedMesh> meshes;
-  meshes.push_back({"torus", turned(make_torus({0, 0, 0}, 18, 11, 24, 14), middle, rng)});
-
-  // A box on voxel faces, a ball that overlaps it and leaves the grid, a cavity, and a box within.
-  TriangleMesh shells = make_box({5, 6, 7}, {50, 45, 41});
-  append(shells, turned(make_sphere({0, 0, 0}, 17, 9), middle + Vec3{22, 20, 14}, rng));
-  TriangleMesh cavity = turned(make_sphere({0, 0, 0}, 6, 8), {20, 20, 20}, rng);
-  flip(cavity);
-  append(shells, cavity);
-  append(shells, make_box({33.5, 25.25, 20}, {44, 50.5, 36.75}));
-  meshes.push_back({"overlapping shells", std::move(shells)});
-
-  if (const auto path = find_data("meshes/spot.obj")) {
-    Result<TriangleMesh> spot = read_mesh_file(*path);
-    REQUIRE(spot.ok());
-    const Box3 box = bounding_box(*spot);
-    const Vec3 extent = box.extent();
-    const double scale =
-        (std::min({voxels[0], voxels[1], voxels[2]}) - 2) / std::max({extent.x, extent.y, extent.z});
-    for (Vec3& v : spot->vertices) v = (v - (box.min + box.max) * 0.5) * scale + middle;
-    meshes.push_back({"spot.obj", std::move(*spot)});
-  } else {
-    WARN("spot.obj is not here; skipped");
-  }
-  return meshes;
+Vec3 middle_of(const Index3& voxels) {
+  return Vec3{double(voxels[0]), double(voxels[1]), double(voxels[2])} * 0.5;
 }
 
 /// That pieces are at home where their instance's first voxel in storage order is. [spec 4.2]
@@ -171,6 +139,70 @@ bool homes_are_first(const TileMap& tile) {
     for (std::size_t a = 0; a < 3; ++a)
       if (place[a] < 0 || place[a] >= n[2 - a]) return false;
   return first.size() == tile.cell_count;
+}
+
+/// A mesh for a grid of about 45 voxels along each axis, in voxels of it.
+using MakeMesh = std::function<TriangleMesh(const Index3& voxels, Rng& rng)>;
+
+/// Compares every tag that every tile gets from a mesh, by both rules, with its definition.
+void compare_tiles(std::uint64_t seed, const MakeMesh& make_mesh) {
+  Rng rng(seed);
+  struct Sum {
+    std::uint64_t tiles = 0, compared = 0;
+    std::array<std::array<std::uint64_t, 3>, 2> tags{};  // by rule, then tag
+  };
+  std::map<std::string, Sum> sums;
+  std::uint64_t compared = 0;
+  struct Setting {
+    Index3 resolution, tiles;
+  };
+  for (const Setting& s : {Setting{{9, 9, 9}, {5, 5, 5}}, Setting{{16, 6, 9}, {3, 7, 5}}}) {
+    const Index3 voxels{s.resolution[0] * s.tiles[0], s.resolution[1] * s.tiles[1],
+                        s.resolution[2] * s.tiles[2]};
+    const TriangleMesh mesh = make_mesh(voxels, rng);
+    const std::vector<bool> inside = inside_by_definition(mesh, voxels);
+    const std::vector<bool> touched = touched_by_definition(mesh, voxels);
+    for (const NamedTile& t : tiles_to_compare(s.resolution, rng)) {
+      Sum& sum = sums[t.name];
+      ++sum.tiles;
+      for (const MembershipRule rule : {MembershipRule::kCentre, MembershipRule::kConservative}) {
+        const bool conservative = rule == MembershipRule::kConservative;
+        INFO(t.name << ", " << t.tile.cell_count << " cells of " << s.resolution[0] << "x" << s.resolution[1]
+                    << "x" << s.resolution[2] << ", " << (conservative ? "conservative" : "centre"));
+        REQUIRE(t.tile.resolution == s.resolution);
+        REQUIRE(homes_are_first(t.tile));
+        const std::vector<Tag> expected =
+            tags_by_definition(inside, s.tiles, t.tile, conservative ? touched : std::vector<bool>{});
+        const Result<MembershipMap> map =
+            compute_membership(mesh, s.tiles, t.tile, {.rule = rule, .threads = 1 + rng.below(3)});
+        REQUIRE(map.ok());
+        REQUIRE(map->rule == rule);
+        REQUIRE(expected.size() == map->entries.size() * t.tile.cell_count);
+        CHECK(wrong_tags(*map, expected) == 0);
+        sum.compared += expected.size();
+        compared += expected.size();
+        for (const Tag tag : expected) ++sum.tags[conservative][std::size_t(tag)];
+      }
+    }
+  }
+  std::printf("tags compared with brute force; inside : outside : intersected\n");
+  for (const auto& [name, sum] : sums) {
+    std::printf("  %-56s %2llu tiles %7llu instances", name.c_str(), (unsigned long long)sum.tiles,
+                (unsigned long long)sum.compared);
+    for (std::size_t rule = 0; rule < 2; ++rule)
+      std::printf("  %s %llu : %llu : %llu", rule ? "conservative" : "centre",
+                  (unsigned long long)sum.tags[rule][std::size_t(Tag::kInside)],
+                  (unsigned long long)sum.tags[rule][std::size_t(Tag::kOutside)],
+                  (unsigned long long)sum.tags[rule][std::size_t(Tag::kIntersected)]);
+    std::printf("\n");
+    // A comparison of nothing but empty space would prove nothing.
+    for (const auto& tags : sum.tags)
+      for (const std::uint64_t n : tags) CHECK(n > 20);
+    // What the surface touches between the centres only the conservative rule sees.
+    CHECK(sum.tags[1][std::size_t(Tag::kInside)] < sum.tags[0][std::size_t(Tag::kInside)]);
+  }
+  std::printf("  in all: %llu instances\n", (unsigned long long)compared);
+  CHECK(compared > 100000);
 }
 
 }  // namespace
@@ -197,70 +229,40 @@ TEST_CASE("the table of tiles names every generator and every choice that it off
   CHECK(choices == 5 + 4 + 2);
 }
 
-TEST_CASE("both membership rules equal brute force for every tile") {
-  Rng rng(20110);
-  struct Sum {
-    std::uint64_t tiles = 0, compared = 0;
-    std::array<std::array<std::uint64_t, 3>, 2> tags{};  // by rule, then tag
-  };
-  std::map<std::string, Sum> sums;
-  std::uint64_t compared = 0;
-  std::set<std::string> meshes_seen;
-  struct Setting {
-    Index3 resolution, tiles;
-  };
-  for (const Setting& s : {Setting{{11, 11, 11}, {6, 6, 6}}, Setting{{20, 7, 12}, {3, 9, 5}}}) {
-    const std::vector<NamedTile> tiles = tiles_to_compare(s.resolution, rng);
-    const Index3 voxels{s.resolution[0] * s.tiles[0], s.resolution[1] * s.tiles[1],
-                        s.resolution[2] * s.tiles[2]};
-    for (const NamedTile& t : tiles) {
-      INFO(t.name);
-      REQUIRE(t.tile.resolution == s.resolution);
-      REQUIRE(homes_are_first(t.tile));
-      ++sums[t.name].tiles;
-    }
-    for (const NamedMesh& m : meshes_to_compare(voxels, rng)) {
-      meshes_seen.insert(m.name);
-      const std::vector<bool> inside = inside_by_definition(m.mesh, voxels);
-      const std::vector<bool> touched = touched_by_definition(m.mesh, voxels);
-      for (const NamedTile& t : tiles)
-        for (const MembershipRule rule : {MembershipRule::kCentre, MembershipRule::kConservative}) {
-          const bool conservative = rule == MembershipRule::kConservative;
-          INFO(m.name << ", " << t.name << ", " << t.tile.cell_count << " cells of " << s.resolution[0] << "x"
-                      << s.resolution[1] << "x" << s.resolution[2] << ", "
-                      << (conservative ? "conservative" : "centre"));
-          const std::vector<Tag> expected =
-              tags_by_definition(inside, s.tiles, t.tile, conservative ? touched : std::vector<bool>{});
-          const Result<MembershipMap> map =
-              compute_membership(m.mesh, s.tiles, t.tile, {.rule = rule, .threads = 1 + rng.below(3)});
-          REQUIRE(map.ok());
-          REQUIRE(map->rule == rule);
-          REQUIRE(expected.size() == map->entries.size() * t.tile.cell_count);
-          CHECK(wrong_tags(*map, expected) == 0);
-          Sum& sum = sums[t.name];
-          sum.compared += expected.size();
-          compared += expected.size();
-          for (const Tag tag : expected) ++sum.tags[conservative][std::size_t(tag)];
-        }
-    }
+TEST_CASE("both membership rules equal brute force for every tile: torus") {
+  compare_tiles(20110, [](const Index3& voxels, Rng& rng) {
+    return turned(make_torus({0, 0, 0}, 13, 8, 24, 14), middle_of(voxels), rng);
+  });
+}
+
+TEST_CASE("both membership rules equal brute force for every tile: overlapping shells") {
+  compare_tiles(20111, [](const Index3& voxels, Rng& rng) {
+    // A box on voxel faces, a ball that overlaps it and leaves the grid, a cavity, and a box partly within.
+    TriangleMesh shells = make_box({4, 5, 6}, {37, 34, 31});
+    append(shells, turned(make_sphere({0, 0, 0}, 13, 9), middle_of(voxels) + Vec3{16, 15, 10}, rng));
+    TriangleMesh cavity = turned(make_sphere({0, 0, 0}, 5, 8), {15, 15, 15}, rng);
+    flip(cavity);
+    append(shells, cavity);
+    append(shells, make_box({25.5, 19.25, 15}, {33, 38.5, 27.75}));
+    return shells;
+  });
+}
+
+TEST_CASE("both membership rules equal brute force for every tile: a real mesh") {
+  const auto path = find_data("meshes/spot.obj");
+  if (!path) {
+    WARN("spot.obj is not here; skipped");
+    return;
   }
-  std::printf("tags compared with brute force, on %zu meshes; inside : outside : intersected\n",
-              meshes_seen.size());
-  for (const auto& [name, sum] : sums) {
-    std::printf("  %-56s %2llu tiles %7llu instances", name.c_str(), (unsigned long long)sum.tiles,
-                (unsigned long long)sum.compared);
-    for (std::size_t rule = 0; rule < 2; ++rule)
-      std::printf("  %s %llu : %llu : %llu", rule ? "conservative" : "centre",
-                  (unsigned long long)sum.tags[rule][std::size_t(Tag::kInside)],
-                  (unsigned long long)sum.tags[rule][std::size_t(Tag::kOutside)],
-                  (unsigned long long)sum.tags[rule][std::size_t(Tag::kIntersected)]);
-    std::printf("\n");
-    // A comparison of nothing but empty space would prove nothing.
-    for (const auto& tags : sum.tags)
-      for (const std::uint64_t n : tags) CHECK(n > 100);
-    // What the surface touches between the centres only the conservative rule sees.
-    CHECK(sum.tags[1][std::size_t(Tag::kInside)] < sum.tags[0][std::size_t(Tag::kInside)]);
-  }
-  std::printf("  in all: %llu instances\n", (unsigned long long)compared);
-  CHECK(compared > 150000 * meshes_seen.size());
+  const Result<TriangleMesh> spot = read_mesh_file(*path);
+  REQUIRE(spot.ok());
+  compare_tiles(20112, [&](const Index3& voxels, Rng&) {
+    const Box3 box = bounding_box(*spot);
+    const Vec3 extent = box.extent();
+    const double scale =
+        (std::min({voxels[0], voxels[1], voxels[2]}) - 2) / std::max({extent.x, extent.y, extent.z});
+    TriangleMesh mesh = *spot;
+    for (Vec3& v : mesh.vertices) v = (v - (box.min + box.max) * 0.5) * scale + middle_of(voxels);
+    return mesh;
+  });
 }
