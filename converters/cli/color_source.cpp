@@ -11,19 +11,17 @@ namespace mesocell {
 namespace {
 
 constexpr std::string_view kImport = "image", kOption = "--color";
-/// Steps across the border that are so many times larger than those within are seen as a seam.
-constexpr double kSeam = 2;
 
 /// What tells that a texture does not tile.
 void check_seams(const ColorMap& map, std::vector<Warning>& warnings) {
   const WrapCheck check = check_wrap(map);
-  if (check.value_ratio <= kSeam && check.gradient_ratio <= kSeam) return;
+  if (!check.has_seam()) return;
   char text[200];
-  std::snprintf(
-      text, sizeof text,
-      "the colors do not tile: steps across the border of the tile are %.1f times those within, changes of "
-      "slope %.1f times; seams will be seen",
-      check.value_ratio, check.gradient_ratio);
+  std::snprintf(text, sizeof text,
+                "the colors do not tile: steps across the border of the tile are %.1f times the largest "
+                "within, changes of "
+                "slope %.1f times; seams will be seen",
+                check.value_ratio, check.gradient_ratio);
   warnings.push_back({"color-seam", text});
 }
 

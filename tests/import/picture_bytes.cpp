@@ -41,6 +41,24 @@ std::string pack_bits(const std::string& data, std::size_t row_bytes) {
   return out;
 }
 
+/// LZW of literals alone, each as a code of 9 bits; the table is cleared before longer codes are due
+/// [TIFF 6.0, 13].
+std::string lzw_literals(const std::string& data) {
+  std::vector<std::uint32_t> codes;
+  for (std::size_t at = 0; at < data.size(); ++at) {
+    if (at % 200 == 0) codes.push_back(256);
+    codes.push_back(std::uint8_t(data[at]));
+  }
+  codes.push_back(257);
+  std::string out;
+  std::uint32_t buffer = 0, bits = 0;
+  for (const std::uint32_t code : codes) {
+    buffer = buffer << 9 | code;
+    for (bits += 9; bits >= 8; bits -= 8) out += char(std::uint8_t(buffer >> (bits - 8)));
+  }
+  return out + char(std::uint8_t(buffer << (8 - bits)));
+}
+
 /// Samples in so many bits each; a row begins with a new byte.
 std::string pack_rows(const std::vector<std::uint32_t>& samples, std::size_t row_samples, unsigned bits,
                       bool big) {
@@ -140,6 +158,7 @@ std::string tiff_bytes(const std::vector<PlainPicture>& pages, const TiffOptions
                               end = options.separate ? plane + 1 : p.channels;
           std::string piece = pack_rows(cut(p, {x, y, columns, height}, first, end),
                                         std::size_t{columns} * (end - first), options.bits, big);
+          if (options.compression == 5) piece = lzw_literals(piece);
           if (options.compression == 8) piece = zlib_stored(piece);
           if (options.compression == 32773) piece = pack_bits(piece, piece.size() / height);
           offsets.push_back(std::uint32_t(out.size()));

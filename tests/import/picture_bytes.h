@@ -30,7 +30,7 @@ struct PngOptions {
 struct TiffOptions {
   bool big_endian = false, big_tiff = false;
   unsigned bits = 8, format = 1;     ///< of a sample; format 1 unsigned, 2 signed, 3 float
-  unsigned compression = 1;          ///< 1 none, 8 deflate (stored blocks), 32773 PackBits (literals)
+  unsigned compression = 1;          ///< 1 none; of literals alone: 5 LZW, 8 deflate, 32773 PackBits
   std::uint32_t rows_per_strip = 0;  ///< 0: all
   std::uint32_t tile = 0;            ///< edge of a tile; 0: strips
   bool separate = false;             ///< a plane for each channel

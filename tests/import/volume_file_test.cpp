@@ -166,7 +166,7 @@ TEST_CASE("the label of a color is r + 256 g + 65536 b, whatever its alpha") {
 TEST_CASE("a TIFF of several pages gives its labels exactly, however it is written") {
   const TempFolder folder;
   for (const unsigned bits : {1u, 2u, 4u, 8u, 16u, 32u})
-    for (const unsigned compression : {1u, 8u, 32773u})
+    for (const unsigned compression : {1u, 5u, 8u, 32773u})
       for (const bool big : {false, true})
         for (const std::uint32_t rows : {0u, 1u, 4u, 9u})
           for (const std::uint32_t tile : {0u, 16u}) {
