@@ -172,7 +172,7 @@ void add_compare(CLI::App& app, CompareCommand& command) {
       "mesh_to_asset {max, mean, rms (metres), max_percent, mean_percent, rms_percent, samples (taken)}, "
       "samples (asked for), seed, diagonal (metres)}, volume {asset, mesh (metres³), percent (of the mesh's)}; "
       "null for the volume of a mesh that is not closed; the part is surface"
-      "\n\nExamples:\n  mesocell compare a.png b.png --tolerance 0.01\n"
+      "\n\nExample:\n  mesocell compare a.png b.png --tolerance 0.01\n"
       "  mesocell compare bunny.meso bunny.off --tolerance 0.5 --json\n");
 }
 
