@@ -40,17 +40,28 @@ CellScene::CellScene(const CellObject& object)
   std::transform(inside_.entries().begin(), inside_.entries().end(), tile_reach_.begin(),
                  [](std::uint32_t entry) { return std::uint8_t(entry == InsidePieces::kNone ? 255 : 0); });
   chebyshev_transform(tile_reach_, object.grid.tiles, Border::kOpen);
+  bool filled = true;
+  for (std::uint64_t i = 0; i < tile_.voxel_count() && filled; ++i) filled = tile_.id(i) != 0;
+  if (!filled) return;
+  solid_reach_.resize(tile_reach_.size());
+  std::transform(inside_.entries().begin(), inside_.entries().end(), solid_reach_.begin(),
+                 [](std::uint32_t entry) { return std::uint8_t(entry == InsidePieces::kAll ? 255 : 0); });
+  chebyshev_transform(solid_reach_, object.grid.tiles, Border::kOpen);
 }
 
 double CellScene::tile_edge() const { return *std::max_element(resolution_.begin(), resolution_.end()); }
 
-bool CellScene::empty_around(const Voxel& tile, Voxel& low, Voxel& high) const {
-  const std::int64_t reach = tile_reach_[tile_index(tile)];
-  if (reach == 0) return false;
+void CellScene::tiles_around(const Voxel& tile, std::int64_t reach, Voxel& low, Voxel& high) const {
   for (std::size_t a = 0; a < 3; ++a) {
     low[a] = (tile[a] - reach + 1) * resolution_[a];
     high[a] = (tile[a] + reach) * resolution_[a];
   }
+}
+
+bool CellScene::empty_around(const Voxel& tile, Voxel& low, Voxel& high) const {
+  const std::int64_t reach = tile_reach_[tile_index(tile)];
+  if (reach == 0) return false;
+  tiles_around(tile, reach, low, high);
   return true;
 }
 
@@ -111,7 +122,17 @@ bool CellScene::inside_point(Vec3 point) const {
 }
 
 void CellScene::solid_box(const Voxel& v, Voxel& low, Voxel& high) const {
-  const std::int64_t reach = voxel_reach_[in_tile(v, tile_of(v))];
+  const Voxel tile = tile_of(v);
+  if (!solid_reach_.empty() && solid_reach_[tile_index(tile)] > 0) {
+    tiles_around(tile, solid_reach_[tile_index(tile)], low, high);
+    // Unlike what is empty, what is solid ends with the grid.
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::max<std::int64_t>(low[a], 0);
+      high[a] = std::min(high[a], size_[a]);
+    }
+    return;
+  }
+  const std::int64_t reach = voxel_reach_[in_tile(v, tile)];
   for (std::size_t a = 0; a < 3; ++a) {
     low[a] = v[a] - reach;
     high[a] = v[a] + reach + 1;

@@ -63,6 +63,8 @@ class CellScene {
 
  private:
   [[nodiscard]] bool empty_around(const Voxel& tile, Voxel& low, Voxel& high) const;
+  /// The box of all voxels in tiles nearer than `reach` (Chebyshev).
+  void tiles_around(const Voxel& tile, std::int64_t reach, Voxel& low, Voxel& high) const;
   // Coordinates of a grid are below 2^30: 32-bit divisions take a third of the time of 64-bit ones.
   [[nodiscard]] Voxel tile_of(const Voxel& v) const {
     return {std::uint32_t(v[0]) / resolution_[0], std::uint32_t(v[1]) / resolution_[1],
@@ -93,6 +95,9 @@ class CellScene {
   /// For each tile: 0 if an INSIDE instance has voxels in it, else all tiles nearer than this (Chebyshev)
   /// have none.
   std::vector<std::uint8_t> tile_reach_;
+  /// For each tile: 0 if some of its voxels are not INSIDE, else all tiles nearer than this are solid as
+  /// well. Empty if the tile has empty voxels.
+  std::vector<std::uint8_t> solid_reach_;
 };
 
 }  // namespace mesocell
