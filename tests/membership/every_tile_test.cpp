@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <map>
 #include <sstream>
@@ -67,14 +68,16 @@ LabelVolume random_labels(const Index3& n, std::uint32_t points, Rng& rng) {
   return volume;
 }
 
-/// Balls that stick out of the tile, in voxels of it; one alone overlaps its own copies.
-std::vector<TriangleMesh> random_balls(const Index3& n, std::uint32_t count, Rng& rng) {
-  std::vector<TriangleMesh> balls;
+/// Balls that stick out of the tile, in voxels of it, one alone overlapping its own copies; and a rod through
+/// several tiles.
+std::vector<TriangleMesh> random_solids(const Index3& n, std::uint32_t count, Rng& rng) {
+  std::vector<TriangleMesh> solids;
   const double radius = 0.55 * std::cbrt(double(n[0]) * n[1] * n[2] / count);
   for (std::uint32_t k = 0; k < count; ++k)
-    balls.push_back(
+    solids.push_back(
         make_sphere({rng.uniform(0, n[0]), rng.uniform(0, n[1]), rng.uniform(0, n[2])}, radius, 6));
-  return balls;
+  solids.push_back(make_tetrahedron({1, 1, 1}, {3, 1, 1}, {1, 3, 1}, {2.6 * n[0], 2.1 * n[1], 2.2 * n[2]}));
+  return solids;
 }
 
 /// All that is compared at a resolution.
@@ -100,7 +103,7 @@ std::vector<NamedTile> tiles_to_compare(const Index3& resolution, Rng& rng) {
   };
   for (const std::uint32_t cells : {1u, 24u}) {
     add("import: labels", make_label_tile(random_labels(resolution, cells, rng), Percolating::kCut));
-    add("import: meshes", make_mesh_tile(random_balls(resolution, cells, rng), resolution, {{0, 0, 0}, 1}));
+    add("import: meshes", make_mesh_tile(random_solids(resolution, cells, rng), resolution, {{0, 0, 0}, 1}));
   }
   return tiles;
 }
@@ -153,10 +156,11 @@ void compare_tiles(std::uint64_t seed, const MakeMesh& make_mesh) {
   };
   std::map<std::string, Sum> sums;
   std::uint64_t compared = 0;
+  int farthest = 0;  // tiles from a piece to its home
   struct Setting {
     Index3 resolution, tiles;
   };
-  for (const Setting& s : {Setting{{9, 9, 9}, {5, 5, 5}}, Setting{{16, 6, 9}, {3, 7, 5}}}) {
+  for (const Setting& s : {Setting{{9, 9, 9}, {5, 5, 5}}, Setting{{6, 16, 9}, {7, 3, 5}}}) {
     const Index3 voxels{s.resolution[0] * s.tiles[0], s.resolution[1] * s.tiles[1],
                         s.resolution[2] * s.tiles[2]};
     const TriangleMesh mesh = make_mesh(voxels, rng);
@@ -165,6 +169,8 @@ void compare_tiles(std::uint64_t seed, const MakeMesh& make_mesh) {
     for (const NamedTile& t : tiles_to_compare(s.resolution, rng)) {
       Sum& sum = sums[t.name];
       ++sum.tiles;
+      for (const Piece& p : t.tile.pieces)
+        for (const std::int8_t h : p.home) farthest = std::max(farthest, std::abs(h));
       for (const MembershipRule rule : {MembershipRule::kCentre, MembershipRule::kConservative}) {
         const bool conservative = rule == MembershipRule::kConservative;
         INFO(t.name << ", " << t.tile.cell_count << " cells of " << s.resolution[0] << "x" << s.resolution[1]
@@ -203,6 +209,7 @@ void compare_tiles(std::uint64_t seed, const MakeMesh& make_mesh) {
   }
   std::printf("  in all: %llu instances\n", (unsigned long long)compared);
   CHECK(compared > 100000);
+  CHECK(farthest >= 2);
 }
 
 }  // namespace
@@ -237,13 +244,16 @@ TEST_CASE("both membership rules equal brute force for every tile: torus") {
 
 TEST_CASE("both membership rules equal brute force for every tile: overlapping shells") {
   compare_tiles(20111, [](const Index3& voxels, Rng& rng) {
-    // A box on voxel faces, a ball that overlaps it and leaves the grid, a cavity, and a box partly within.
+    // A box on voxel faces, a ball that overlaps it and leaves the grid, a cavity, and a box turned inside
+    // out that sticks out.
     TriangleMesh shells = make_box({4, 5, 6}, {37, 34, 31});
     append(shells, turned(make_sphere({0, 0, 0}, 13, 9), middle_of(voxels) + Vec3{16, 15, 10}, rng));
     TriangleMesh cavity = turned(make_sphere({0, 0, 0}, 5, 8), {15, 15, 15}, rng);
     flip(cavity);
     append(shells, cavity);
-    append(shells, make_box({25.5, 19.25, 15}, {33, 38.5, 27.75}));
+    TriangleMesh inverted = make_box({15.5, 19.25, 15}, {33, 46.5, 27.75});
+    flip(inverted);
+    append(shells, inverted);
     return shells;
   });
 }
