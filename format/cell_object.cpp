@@ -35,4 +35,30 @@ InstanceCounts count_instances(const MembershipMap& membership) {
   return counts;
 }
 
+std::uint64_t count_inside_voxels(const CellObject& object) {
+  std::vector<std::uint64_t> voxels(object.tile.cell_count + 1);
+  std::uint64_t of_tile = 0;
+  for (std::uint64_t i = 0; i < object.tile.voxel_count(); ++i)
+    if (const std::uint32_t id = object.tile.id(i)) {
+      ++voxels[object.tile.pieces[id - 1].cell];
+      ++of_tile;
+    }
+  std::uint64_t sum = 0;
+  for (std::uint64_t t = 0; t < object.grid.tile_count(); ++t) {
+    const std::uint32_t entry = object.membership.entries[t];
+    if (entry < MembershipMap::kFirstBlock) {
+      if (entry == std::uint32_t(Tag::kInside)) sum += of_tile;
+      continue;
+    }
+    for (std::uint32_t c = 1; c <= object.tile.cell_count; ++c)
+      if (object.membership.tag(t, c) == Tag::kInside) sum += voxels[c];
+  }
+  return sum;
+}
+
+double inside_volume(const CellObject& object) {
+  const double edge = object.grid.voxel_edge;
+  return double(count_inside_voxels(object)) * (edge * edge * edge);
+}
+
 }  // namespace mesocell

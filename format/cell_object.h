@@ -144,4 +144,10 @@ struct CellObject {
   }
 };
 
+/// Voxels of INSIDE instances in the whole object.
+[[nodiscard]] std::uint64_t count_inside_voxels(const CellObject& object);
+
+/// Metres³ of INSIDE instances.
+[[nodiscard]] double inside_volume(const CellObject& object);
+
 }  // namespace mesocell

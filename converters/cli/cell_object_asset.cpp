@@ -132,6 +132,13 @@ class CellObjectAsset final : public Asset {
     return make_cell_object_caster(object_, method);
   }
 
+  Result<SurfaceDistance> surface_distance(const TriangleMesh& mesh, const SurfaceDistanceOptions& options,
+                                           const Progress& progress) const override {
+    return measure_surface_distance(object_, mesh, options, &progress);
+  }
+
+  double volume() const override { return inside_volume(object_); }
+
  private:
   CellObject object_;
 };

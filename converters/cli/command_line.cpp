@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "converters/cli/cell_object_asset.h"
+#include "converters/cli/color_source.h"
 #include "converters/cli/commands.h"
 #include "converters/cli/convert_plan.h"
 #include "converters/cli/exit_codes.h"
 #include "converters/import/mesh_file.h"
+#include "converters/import/volume_file.h"
 #include "format/container_scan.h"
-#include "sdk/surface/color.h"
 
 namespace mesocell {
 namespace {
@@ -60,7 +61,7 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->footer(
       "Rules: by centre a cell is inside if all its voxels' centres are; by conservative the surface "
       "must not even touch one of its voxels.\n\nRecipes of tiles:\n" +
-      tile_sources_help() + "\nRecipes of colors:\n" + color_recipes_help() +
+      tile_sources_help() + "\nRecipes of colors:\n" + color_sources_help() + "\nVolumes: " + kVolumeAxes + "\n" +
       "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
       "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n"
       "  mesocell convert tile:mesh:file=stones.obj,size=2 stones.meso --color stone\n"
@@ -137,23 +138,42 @@ void add_render(CLI::App& app, RenderCommand& command) {
 }
 
 void add_compare(CLI::App& app, CompareCommand& command) {
-  CLI::App* sub = app.add_subcommand("compare", "Compare two pictures or two .meso files");
+  CLI::App* sub = app.add_subcommand("compare", "Compare pictures, .meso files, or a .meso file with a mesh");
   sub->add_option("a", command.a, "Picture (.png, .exr, .hdr) or .meso file")->required()->type_name("A");
-  sub->add_option("b", command.b, "Another of the same kind")->required()->type_name("B");
+  sub->add_option("b", command.b, "Another of the same kind; or, for a .meso file, the mesh it should equal")
+      ->required()
+      ->type_name("B");
   sub->add_option("--tolerance", command.tolerance,
-                  "Greatest difference of a channel that is still equal, for pictures, 0 to 1 [0]")
+                  "Greatest difference that is still equal: for pictures of a channel, 0 to 1 [0]; for an "
+                  "asset and a mesh the greater RMS distance in per cent of the mesh's diagonal [any]")
       ->type_name("X");
+  sub->add_option("--samples", command.samples,
+                  "Samples in each direction, for an asset and a mesh, 1 to 1000000000 [100000]")
+      ->type_name("N")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000000}).description(""));
+  // The parser would take -1 for the greatest number.
+  sub->add_option("--seed", command.seed, "Seed of the samples [1]")
+      ->type_name("N")
+      ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
   add_common(*sub, command.common);
   sub->footer(
-      "Exit code 0 if they are equal, for pictures within the tolerance, else 1.\n"
+      "Exit code 0 if they are equal, within the tolerance if there is one, else 1.\n"
       "Pictures: values as they are in the file, 1 is white; where only one of the two is in sRGB, both are "
       "taken in linear light. Infinite values equal each other, and what is not a number equals its like.\n\n"
-      "Keys of --json: kind (picture or asset), equal, differences [parts that differ], and\n"
+      "An asset and a mesh: how far samples of what can be seen of the asset, the first hits of uniformly "
+      "random lines, are from the mesh's surface, and samples of the mesh's surface, uniform by area, from "
+      "what is inside the asset. Without --tolerance they count as equal.\n\n"
+      "Keys of --json: kind (picture, asset or asset-and-mesh), equal, differences [parts that differ], and\n"
       "  of pictures: width, height, channels, tolerance, max, mean, rmse, psnr (dB, of a peak of 1); null "
       "where a figure is infinite or there is none; the parts are size, channels, values\n"
       "  of cell objects: " +
       std::string(cell_object_comparison_help()) +
-      "\n\nExample:\n  mesocell compare a.png b.png --tolerance 0.01\n");
+      "\n  of an asset and a mesh: tolerance (per cent, null if not given), surface_distance {asset_to_mesh, "
+      "mesh_to_asset {max, mean, rms (metres), max_percent, mean_percent, rms_percent, samples (taken)}, "
+      "samples (asked for), seed, diagonal (metres)}, volume {asset, mesh (metres³), percent (of the mesh's)}; "
+      "null for the volume of a mesh that is not closed; the part is surface"
+      "\n\nExample:\n  mesocell compare a.png b.png --tolerance 0.01\n"
+      "  mesocell compare bunny.meso bunny.off --tolerance 0.5 --json\n");
 }
 
 /// The words of the command line, last first, as the parser takes them. A vector whose first number is

@@ -55,6 +55,7 @@ struct CompareCommand {
   CommonOptions common;
   std::string a, b;
   std::optional<double> tolerance;
+  std::optional<std::uint64_t> samples, seed;
 };
 [[nodiscard]] int run_compare(const CompareCommand& command);
 

@@ -2,11 +2,12 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <nlohmann/json.hpp>
 
-#include "converters/cli/commands.h"
+#include "converters/cli/comparison.h"
+#include "converters/cli/progress_bar.h"
 #include "converters/cli/representations.h"
 #include "converters/image/image_reader.h"
+#include "converters/import/mesh_file.h"
 
 namespace mesocell {
 namespace {
@@ -62,12 +63,6 @@ Result<std::vector<std::size_t>> match_channels(const Image& a, const Image& b) 
 std::string size_text(const Image& image) {
   return std::to_string(image.width) + " x " + std::to_string(image.height);
 }
-
-/// The result for --json, with all its keys, and its text.
-struct Comparison {
-  Json json;
-  std::string text;
-};
 
 Comparison compare_images(Image a, Image b, double tolerance) {
   if (a.encoding != b.encoding) {
@@ -129,28 +124,10 @@ Comparison compare_assets(const AssetFile& a, const AssetFile& b) {
   return result;
 }
 
-std::optional<Failure> compare(const CompareCommand& command, Comparison& result) {
-  const bool assets = has_extension(command.a, ".meso");
-  for (const std::string& path : {command.a, command.b}) {
-    if (!has_extension(path, ".meso") && !is_readable_image(path))
-      return Failure{
-          Error{ErrorCode::kUsage, std::string("it is neither .meso nor a picture; use ") + kReadableImages},
-          path};
-    if (has_extension(path, ".meso") != assets)
-      return Failure{
-          Error{ErrorCode::kUsage, "an asset cannot be compared with a picture; name two of a kind"}, path};
-  }
+std::optional<Failure> compare_pictures(const CompareCommand& command, const Progress&, Comparison& result) {
   const double tolerance = command.tolerance.value_or(0);
   if (!(tolerance >= 0 && tolerance <= 1))
-    return Failure{Error{ErrorCode::kUsage, "the tolerance must be from 0 to 1"}, "--tolerance"};
-  if (assets) {
-    const Result<AssetFile> a = read_asset_file(command.a);
-    if (!a) return Failure{a.error(), command.a};
-    const Result<AssetFile> b = read_asset_file(command.b);
-    if (!b) return Failure{b.error(), command.b};
-    result = compare_assets(*a, *b);
-    return std::nullopt;
-  }
+    return usage("--tolerance", "the tolerance of pictures must be from 0 to 1");
   Result<Image> a = read_image_file(command.a);
   if (!a) return Failure{a.error(), command.a};
   Result<Image> b = read_image_file(command.b);
@@ -159,15 +136,61 @@ std::optional<Failure> compare(const CompareCommand& command, Comparison& result
   return std::nullopt;
 }
 
+std::optional<Failure> compare_two_assets(const CompareCommand& command, const Progress&,
+                                          Comparison& result) {
+  const Result<AssetFile> a = read_asset_file(command.a);
+  if (!a) return Failure{a.error(), command.a};
+  const Result<AssetFile> b = read_asset_file(command.b);
+  if (!b) return Failure{b.error(), command.b};
+  result = compare_assets(*a, *b);
+  return std::nullopt;
+}
+
+bool is_asset(const std::string& path) { return has_extension(path, ".meso"); }
+
+/// What can be compared with what, and which options have an effect on it.
+struct Row {
+  bool (*is_a)(const std::string& path);
+  bool (*is_b)(const std::string& path);
+  std::optional<Failure> (*compare)(const CompareCommand&, const Progress&, Comparison&);
+  bool tolerance, samples;
+};
+constexpr Row kRows[] = {
+    {is_readable_image, is_readable_image, compare_pictures, true, false},
+    {is_asset, is_asset, compare_two_assets, false, false},
+    {is_asset, is_readable_mesh, compare_with_mesh, true, true},
+};
+
+/// The row for two paths; a failure if there is none.
+std::optional<Failure> find_row(const CompareCommand& command, const Row*& found) {
+  for (const std::string& path : {command.a, command.b})
+    if (!is_asset(path) && !is_readable_image(path) && !is_readable_mesh(path))
+      return usage(path, std::string("it is neither .meso nor a picture nor a mesh; use .meso, ") +
+                             kReadableImages + ", " + kMeshExtensions);
+  for (const Row& row : kRows)
+    if (row.is_a(command.a) && row.is_b(command.b)) found = &row;
+  if (found) return std::nullopt;
+  return usage(command.a + ", " + command.b,
+               "these cannot be compared; name two pictures, two assets, or an asset and then a mesh");
+}
+
 }  // namespace
 
 int run_compare(const CompareCommand& command) {
   const Console console(command.common);
+  const Row* row = nullptr;
+  if (const std::optional<Failure> failure = find_row(command, row)) return console.fail(*failure);
+  ProgressBar bar(!console.quiet());
   Comparison result;
-  if (const std::optional<Failure> failure = compare(command, result))
-    return console.fail(failure->error, failure->subject);
-  if (command.tolerance && result.json["kind"] == "asset")
-    console.warn("--tolerance", "it has no effect on assets; it is for pictures");
+  const std::optional<Failure> failure = row->compare(command, bar.progress(), result);
+  bar.finish();
+  if (failure) return console.fail(*failure);
+  if (command.tolerance && !row->tolerance)
+    console.warn("--tolerance",
+                 "it has no effect on two assets; it is for pictures, and an asset and a mesh");
+  for (const auto& [name, given] :
+       {std::pair("--samples", command.samples.has_value()), std::pair("--seed", command.seed.has_value())})
+    if (given && !row->samples) console.warn(name, "it has no effect here; it is for an asset and a mesh");
   const int code = result.json["equal"] ? kExitDone : kExitCheckFailed;
   if (console.json()) return console.finish(json_text(result.json), code);
   if (console.quiet() && code == kExitDone) return code;

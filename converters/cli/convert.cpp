@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "converters/cli/color_source.h"
 #include "converters/cli/commands.h"
 #include "converters/cli/convert_plan.h"
 #include "converters/cli/progress_bar.h"
@@ -86,10 +87,10 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
 
   // Before the longest part of the work, as the recipe may be wrong.
   if (plan.color) {
-    Result<Colors> made = make_colors(*plan.color, tile.tile.cell_count, shape->surface());
-    if (!made) return Failure{made.error(), "--color"};
-    tile.colors = std::move(*made);
-    tile.color_recipe = to_text(*plan.color);
+    if (auto failure = make_sourced_colors(*plan.color, tile.tile.cell_count, shape->surface(), progress,
+                                           tile.colors, warnings))
+      return failure;
+    tile.color_recipe = to_text(without_folders(*plan.color));
   }
   const double color_seconds = watch.lap();
 

@@ -10,6 +10,8 @@
 #include "format/container.h"
 #include "format/limits.h"
 #include "format/result.h"
+#include "sdk/core/triangle_mesh.h"
+#include "sdk/measure/surface_distance.h"
 #include "sdk/trace/caster.h"
 
 namespace mesocell {
@@ -26,6 +28,13 @@ class Asset {
   virtual void compare(const Asset& other, nlohmann::ordered_json& result) const = 0;
   /// Errors: kUsage (the representation has no such method).
   [[nodiscard]] virtual Result<std::unique_ptr<Caster>> make_caster(std::string_view method) const = 0;
+  /// How far its surface and that of a mesh are from each other. Errors: those of
+  /// measure_surface_distance().
+  [[nodiscard]] virtual Result<SurfaceDistance> surface_distance(const TriangleMesh& mesh,
+                                                                 const SurfaceDistanceOptions& options,
+                                                                 const Progress& progress) const = 0;
+  /// Metres³ of what is inside.
+  [[nodiscard]] virtual double volume() const = 0;
 };
 
 /// A .meso file that was read whole.

@@ -7,10 +7,7 @@
 
 #include "converters/cli/commands.h"
 #include "converters/import/mesh_file.h"
-#if __has_include("converters/import/volume_file.h")
 #include "converters/import/volume_file.h"
-#define HAVE_VOLUME
-#endif
 #include "format/cell_object_io.h"
 #include "sdk/author/mesh_tile.h"
 #include "sdk/tiles/tile_spec.h"
@@ -47,7 +44,6 @@ Result<TileMap> import_meshes(const Import& import, TileReport& report) {
   return make_mesh_tile(parts, *resolution, placement, import.options.threads, &report, &import.progress);
 }
 
-#ifdef HAVE_VOLUME
 Result<TileMap> import_labels(const Import& import, TileReport& report) {
   VolumeReadOptions read;
   if (import.recipe.options.contains("resolution")) {
@@ -61,7 +57,6 @@ Result<TileMap> import_labels(const Import& import, TileReport& report) {
                          &import.progress);
 }
 
-#endif
 struct Importer {
   std::string_view name, help;
   std::array<std::string_view, 5> options;  ///< the rest empty
@@ -77,7 +72,6 @@ constexpr Importer kImporters[] = {
      "    size: the tile's longest edge in the file's units [all meshes fit in]; origin=XxYxZ: the tile's\n"
      "    corner [centred]; cells=parts|file: a cell for each part that is not connected [parts], or one",
      import_meshes},
-#ifdef HAVE_VOLUME
     {"labels",
      "a volume of labels, 0 for empty space: a folder of pictures, a TIFF of several, or .raw",
      {"file", "resolution"},
@@ -85,22 +79,12 @@ constexpr Importer kImporters[] = {
      "    resolution=WxHxD is needed for .raw alone; --percolating says what is done with a cell that\n"
      "    meets its own copy through the border",
      import_labels},
-#endif
 };
 
 std::string names_of_tiles() {
   std::string names = tile_generator_names();
   for (const Importer& importer : kImporters) names += ", " + std::string(importer.name);
   return names;
-}
-
-/// Files by their names alone: where they lie is of no interest to whoever gets the asset.
-Recipe without_folders(Recipe recipe) {
-  if (const auto file = recipe.options.find("file"); file != recipe.options.end()) {
-    const std::filesystem::path path = file->second;
-    file->second = (path.has_filename() ? path : path.parent_path()).filename().string();
-  }
-  return recipe;
 }
 
 std::string plural(std::uint64_t count, const char* one, const char* several) {
@@ -141,6 +125,14 @@ std::optional<Failure> take_saved(const TileSource& source, SourcedTile& tile) {
 }
 
 }  // namespace
+
+Recipe without_folders(Recipe recipe) {
+  if (const auto file = recipe.options.find("file"); file != recipe.options.end()) {
+    const std::filesystem::path path = file->second;
+    file->second = (path.has_filename() ? path : path.parent_path()).filename().string();
+  }
+  return recipe;
+}
 
 Result<TileSource> parse_tile_source(const std::string& text, std::string option) {
   TileSource source;

@@ -47,6 +47,9 @@ struct TileSourceOptions {
                                                        const TileSourceOptions& options,
                                                        const Progress& progress, SourcedTile& tile);
 
+/// A recipe with files by their names alone: where they lie is of no interest to whoever gets the asset.
+[[nodiscard]] Recipe without_folders(Recipe recipe);
+
 /// Generators and imports with their options, for help texts.
 [[nodiscard]] std::string tile_sources_help();
 

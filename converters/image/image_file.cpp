@@ -4,13 +4,14 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <filesystem>
 #include <new>
 #include <optional>
 #include <vector>
 
+#include "converters/image/extension.h"
 #include "converters/image/image_module_access.h"
 #include "format/file.h"
+#include "sdk/core/srgb.h"
 
 namespace mesocell {
 namespace {
@@ -24,19 +25,10 @@ constexpr std::array<ImageFormat, 2> kFormats = {
     {{".png", kMesocellPixelUint8}, {".exr", kMesocellPixelFloat}}};
 
 const ImageFormat* find_format(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  const std::string extension = lower_extension(path);
   for (const ImageFormat& format : kFormats)
     if (format.extension == extension) return &format;
   return nullptr;
-}
-
-/// Linear light to an 8-bit sRGB value [IEC 61966-2-1]; NaN becomes 0.
-std::uint8_t encode_srgb(float linear) {
-  const double x = linear > 0 ? std::min(double{linear}, 1.0) : 0.0;
-  const double encoded = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
-  return std::uint8_t(std::lround(255 * encoded));
 }
 
 std::uint8_t encode_linear(float value) {
@@ -49,8 +41,8 @@ std::vector<std::uint8_t> encode_bytes(const ImageView& image) {
   const std::size_t channels = image.channels.size();
   std::vector<std::uint8_t> bytes(image.pixels.size());
   for (std::size_t i = 0; i < bytes.size(); ++i)
-    bytes[i] =
-        image.channels[i % channels] == "A" ? encode_linear(image.pixels[i]) : encode_srgb(image.pixels[i]);
+    bytes[i] = image.channels[i % channels] == "A" ? encode_linear(image.pixels[i])
+                                                   : linear_to_srgb8(image.pixels[i]);
   return bytes;
 }
 

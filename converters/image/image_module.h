@@ -39,7 +39,7 @@ typedef float* (*MesocellMakeRoom)(void* context, const MesocellImageHeader* hea
 enum MesocellReadStatus : int {
   kMesocellReadDone = 0,
   kMesocellReadFailed = 1,   ///< `message` says why
-  kMesocellReadRefused = 2,  ///< make_room returned null, or a tile of the picture is over `max_bytes`
+  kMesocellReadRefused = 2,  ///< the caller did, or a tile of the picture is over `max_bytes`
 };
 
 /// Reads a picture of a given format ("png", "openexr", "hdr") and no other, as floats: integers from 0 to
@@ -49,7 +49,42 @@ typedef int (*MesocellReadImage)(const char* path, const char* format, uint64_t 
                                  MesocellMakeRoom make_room, void* context, char* message,
                                  size_t message_bytes);
 
+enum MesocellSampleType : uint32_t {
+  kMesocellSampleUint = 0,   ///< uint32_t, the integer as the library has it, not scaled
+  kMesocellSampleFloat = 1,  ///< float
+};
+
+/// What a file says of its pages, before their pixels are read. All are alike.
+struct MesocellPagesHeader {
+  uint32_t width, height, channel_count;
+  MesocellSampleType type;
+  uint32_t bits;   ///< of an integer: 8, 16 or 32, its sign not counted; 0 of a float
+  uint32_t srgb;   ///< 1: values are in sRGB, not linear
+  uint32_t exact;  ///< 1: values are those that were stored, not what a lossy compression left of them
+  const char* const* channel_names;
+};
+
+/// Who reads pages. Both functions throw nothing.
+struct MesocellPageReader {
+  void* context;
+  /// Called once, first. Returns room for one page: width × height × channel_count samples of 4 bytes, rows
+  /// from the top, channels interleaved; or null to refuse.
+  void* (*make_room)(void* context, const MesocellPagesHeader* header);
+  /// Called for pages 0, 1, … in order when they stand in that room. Returns 0 to go on, else the reading
+  /// ends.
+  int (*take)(void* context, uint32_t page);
+};
+
+/// Reads the pages of a picture of a given format ("png", "openexr", "hdr", "tiff") and no other, with
+/// samples as they are in the file. It must have `page_count` of them, all alike. Integers with a sign must
+/// not be negative. Nothing of the pixels' size is allocated before make_room is asked. A file whose pages
+/// are of tiles over `max_bytes` is refused. Returns a MesocellReadStatus, a message as above. Throws
+/// nothing. Of a TIFF the caller checks the directory: the library misreads some kinds without a word.
+typedef int (*MesocellReadPages)(const char* path, const char* format, uint32_t page_count,
+                                 uint64_t max_bytes, const MesocellPageReader* reader, char* message,
+                                 size_t message_bytes);
+
 /// Changes whenever this header does; a module of another version is not used.
-#define MESOCELL_IMAGE_MODULE_VERSION 2u
+#define MESOCELL_IMAGE_MODULE_VERSION 3u
 typedef uint32_t (*MesocellImageModuleVersion)(void);
 }

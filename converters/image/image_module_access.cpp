@@ -12,10 +12,12 @@ const Result<ImageModule>& image_module() {
         reinterpret_cast<MesocellImageModuleVersion>(find_function(*module, "mesocell_image_module_version"));
     const auto write = reinterpret_cast<MesocellWriteImage>(find_function(*module, "mesocell_write_image"));
     const auto read = reinterpret_cast<MesocellReadImage>(find_function(*module, "mesocell_read_image"));
-    if (!version || !write || !read || version() != MESOCELL_IMAGE_MODULE_VERSION)
+    const auto read_pages =
+        reinterpret_cast<MesocellReadPages>(find_function(*module, "mesocell_read_pages"));
+    if (!version || !write || !read || !read_pages || version() != MESOCELL_IMAGE_MODULE_VERSION)
       return Error{ErrorCode::kOutput,
                    "the image module is of another version; install the one of this program"};
-    return ImageModule{write, read};
+    return ImageModule{write, read, read_pages};
   }();
   return loaded;
 }

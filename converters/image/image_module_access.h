@@ -9,6 +9,7 @@ namespace mesocell {
 struct ImageModule {
   MesocellWriteImage write;
   MesocellReadImage read;
+  MesocellReadPages read_pages;
 };
 
 /// Loads the module when it is first asked for. Errors: kOutput.

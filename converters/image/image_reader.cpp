@@ -1,18 +1,12 @@
 #include "converters/image/image_reader.h"
 
-#include <sys/stat.h>
-
-#include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <memory>
 #include <new>
 
+#include "converters/image/extension.h"
 #include "converters/image/image_module_access.h"
+#include "converters/image/input_file.h"
 
 namespace mesocell {
 namespace {
@@ -25,28 +19,10 @@ struct Format {
 constexpr std::array<Format, 3> kFormats = {{{".png", "png"}, {".exr", "openexr"}, {".hdr", "hdr"}}};
 
 const Format* find_format(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  const std::string extension = lower_extension(path);
   for (const Format& format : kFormats)
     if (format.extension == extension) return &format;
   return nullptr;
-}
-
-/// The library's words for a file that is not there are not ours, and it would wait for a pipe.
-Status check_file(const std::string& path, std::uint64_t max_bytes) {
-  const auto unreadable = [](const std::string& text) {
-    return Error{ErrorCode::kUnreadable, text + "; check its name and permissions"};
-  };
-  struct stat info {};
-  if (::stat(path.c_str(), &info) != 0) return unreadable(std::strerror(errno));
-  if (!S_ISREG(info.st_mode)) return unreadable("it is not a file");
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) return unreadable(std::strerror(errno));
-  if (std::uint64_t(info.st_size) > max_bytes)
-    return Error{ErrorCode::kLimit, "the picture's file is over the limit of " + std::to_string(max_bytes) +
-                                        " bytes; use a smaller one"};
-  return {};
 }
 
 struct Room {
@@ -94,7 +70,8 @@ Result<Image> read_image_file(const std::string& path, const ImageReadLimits& li
     return Error{
         ErrorCode::kUsage,
         std::string("its extension is not one of a picture that can be read; use ") + kReadableImages};
-  if (Status status = check_file(path, limits.max_file_bytes); !status) return status.error();
+  // The library's words for a file that is not there are not ours, and it would wait for a pipe.
+  if (const Result<InputFile> file = InputFile::open(path, limits.max_file_bytes); !file) return file.error();
   const Result<ImageModule>& module = image_module();
   if (!module) return Error{ErrorCode::kUnreadable, module.error().message};
   Room room{&limits, {}, "there is not enough memory to read the picture; use a smaller one"};

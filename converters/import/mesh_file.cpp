@@ -106,6 +106,8 @@ Status check_mesh(TriangleMesh& mesh, std::uint64_t polygons, const MeshFormat& 
 
 }  // namespace
 
+bool is_readable_mesh(const std::string& path) { return find_format(path) != nullptr; }
+
 Result<TriangleMesh> read_mesh_file(const std::string& path, const MeshReadOptions& options,
                                     MeshReadReport* report, const Progress* progress) {
   const MeshFormat* format = find_format(path);

@@ -25,6 +25,9 @@ struct MeshReadReport {
 /// The extensions that read_mesh_file() knows, for messages and help texts: ".obj, .off, .ply, .stl".
 inline constexpr const char* kMeshExtensions = ".obj, .off, .ply, .stl";
 
+/// Whether the extension of `path` is one that read_mesh_file() knows.
+[[nodiscard]] bool is_readable_mesh(const std::string& path);
+
 /// Reads a triangle mesh; the format follows the extension, any case. Polygons are cut into fans. Vertices
 /// are kept as they are in the file, also those no face uses; corners of an STL are merged where they are
 /// equal. Positions have double precision in OBJ, OFF and PLY and single precision in STL; units are the

@@ -29,21 +29,6 @@ std::string number(double x) {
   return text;
 }
 
-/// Voxels of INSIDE instances, in the whole object.
-double inside_voxels(const CellObject& object) {
-  std::vector<double> voxels(object.tile.cell_count + 1, 0);
-  for (std::uint64_t i = 0; i < object.tile.voxel_count(); ++i)
-    if (const std::uint32_t id = object.tile.id(i)) voxels[object.tile.pieces[id - 1].cell] += 1;
-  double sum = 0;
-  for (std::uint64_t t = 0; t < object.grid.tile_count(); ++t) {
-    const std::uint32_t entry = object.membership.entries[t];
-    if (entry == std::uint32_t(Tag::kOutside) || entry == std::uint32_t(Tag::kIntersected)) continue;
-    for (std::uint32_t c = 1; c <= object.tile.cell_count; ++c)
-      if (object.membership.tag(t, c) == Tag::kInside) sum += voxels[c];
-  }
-  return sum;
-}
-
 }  // namespace
 
 Result<GridLayout> lay_grid(const Box3& mesh_box, const Index3& resolution, const GridOptions& options) {
@@ -145,14 +130,12 @@ Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile, co
   object.grid = *grid;
   object.tile = std::move(tile);
   object.membership = std::move(*membership);
-  const double voxel = grid->voxel_edge * grid->voxel_edge * grid->voxel_edge;
   const double volume = signed_volume(mesh);
   out.mesh_volume = std::abs(volume);
-  const double inside = inside_voxels(object);
-  out.inside_volume = inside * voxel;
+  out.inside_volume = inside_volume(object);
   if (volume < 0)
     out.warnings.push_back({"mesh-inside-out", "the mesh is oriented inward; it was taken as a solid"});
-  if (inside == 0)
+  if (count_instances(object.membership).inside == 0)
     out.warnings.push_back({"no-inside-cells",
                             "no cell fits inside the mesh, so there is nothing to see; use "
                             "more tiles, or a tile of more cells"});

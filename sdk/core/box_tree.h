@@ -28,6 +28,8 @@ namespace mesocell MESOCELL_API {
 /// Thread safety: const and reentrant.
 class BoxTree {
  public:
+  /// Over nothing.
+  BoxTree() = default;
   /// `boxes`: none empty, all finite, below 2^31 of them; items are named by their places in it. They need
   /// not live on. `threads`: 0 for the machine's.
   explicit BoxTree(std::span<const Box3> boxes, unsigned threads = 0);

@@ -140,28 +140,41 @@ std::string color_recipes_help() {
 WrapCheck check_wrap(const ColorMap& map) {
   const Index3& n = map.resolution;
   const std::size_t stride[3] = {1, n[0], std::size_t{n[0]} * n[1]};
+  // Of the planes of voxels along each axis: steps from the plane to the next, and second differences of it and
+  // the two after it.
+  std::array<std::vector<std::uint64_t>, 3> step, bend;
+  for (std::size_t a = 0; a < 3; ++a) {
+    step[a].resize(n[a]);
+    bend[a].resize(n[a]);
+  }
+  std::size_t i = 0;
+  std::array<std::uint32_t, 3> at{};
+  for (at[2] = 0; at[2] < n[2]; ++at[2])
+    for (at[1] = 0; at[1] < n[1]; ++at[1])
+      for (at[0] = 0; at[0] < n[0]; ++at[0], ++i)
+        for (std::size_t a = 0; a < 3; ++a) {
+          const auto after = [&](std::uint32_t by) -> const Rgb8& {
+            return map.voxels[i - at[a] * stride[a] + (at[a] + by) % n[a] * stride[a]];
+          };
+          const Rgb8 &p = map.voxels[i], &q = after(1), &r = after(2);
+          for (std::size_t c = 0; c < 3; ++c) {
+            step[a][at[a]] += std::uint64_t(std::abs(q[c] - p[c]));
+            bend[a][at[a]] += std::uint64_t(std::abs(r[c] - 2 * q[c] + p[c]));
+          }
+        }
+  const auto ratio = [](std::uint64_t across, std::uint64_t within) {
+    return within > 0 ? double(across) / double(within) : across > 0 ? 1e9 : 1.0;
+  };
   WrapCheck check;
   for (std::size_t a = 0; a < 3; ++a) {
-    if (n[a] < 4) continue;
-    double value[2] = {}, gradient[2] = {}, count[2] = {};
-    for (std::size_t i = 0; i < map.voxels.size(); ++i) {
-      const std::size_t at = i / stride[a] % n[a];
-      const auto next = [&](std::size_t by) { return i + ((at + by) % n[a]) * stride[a] - at * stride[a]; };
-      const int border = at + 1 == n[a];  // the step from the last voxel to the first
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double p = map.voxels[i][c], q = map.voxels[next(1)][c];
-        value[border] += std::abs(q - p);
-        // Of the two second differences that the step takes part in, the one that begins with it.
-        gradient[border] += std::abs(double(map.voxels[next(2)][c]) - 2 * q + p);
-      }
-      count[border] += 3;
-    }
-    const auto ratio = [&](const double* sum) {
-      const double within = sum[0] / count[0], across = sum[1] / count[1];
-      return within > 0 ? across / within : across > 0 ? 1e9 : 1;
-    };
-    check.value_ratio = std::max(check.value_ratio, ratio(value));
-    check.gradient_ratio = std::max(check.gradient_ratio, ratio(gradient));
+    if (n[a] < WrapCheck::kLeastVoxels) continue;
+    // The last step and the last two second differences reach across the border.
+    std::uint64_t most_step = 0, most_bend = 0;
+    for (std::size_t k = 0; k + 1 < n[a]; ++k) most_step = std::max(most_step, step[a][k]);
+    for (std::size_t k = 0; k + 3 < n[a]; ++k) most_bend = std::max(most_bend, bend[a][k] + bend[a][k + 1]);
+    check.value_ratio = std::max(check.value_ratio, ratio(step[a].back(), most_step));
+    check.gradient_ratio =
+        std::max(check.gradient_ratio, ratio(bend[a][n[a] - 2] + bend[a][n[a] - 1], most_bend));
   }
   return check;
 }

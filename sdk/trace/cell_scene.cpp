@@ -16,7 +16,8 @@ Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 CellScene::CellScene(const CellObject& object)
     : tile_(object.tile),
       box_{to_vec3(object.grid.box_min), to_vec3(object.box_max())},
-      voxel_edge_(object.grid.voxel_edge) {
+      voxel_edge_(object.grid.voxel_edge),
+      inside_(object.tile, object.membership) {
   for (std::size_t a = 0; a < 3; ++a) {
     resolution_[a] = object.tile.resolution[a];
     tiles_[a] = object.grid.tiles[a];
@@ -35,48 +36,32 @@ CellScene::CellScene(const CellObject& object)
     }
   }
   voxel_reach_ = instance_reach(tile_);
-  find_inside(object.membership);
-  tile_reach_.resize(tile_entries_.size());
-  std::transform(tile_entries_.begin(), tile_entries_.end(), tile_reach_.begin(),
-                 [](std::uint32_t entry) { return std::uint8_t(entry == kNoneInside ? 255 : 0); });
+  tile_reach_.resize(inside_.entries().size());
+  std::transform(inside_.entries().begin(), inside_.entries().end(), tile_reach_.begin(),
+                 [](std::uint32_t entry) { return std::uint8_t(entry == InsidePieces::kNone ? 255 : 0); });
   chebyshev_transform(tile_reach_, object.grid.tiles, Border::kOpen);
+  bool filled = true;
+  for (std::uint64_t i = 0; i < tile_.voxel_count() && filled; ++i) filled = tile_.id(i) != 0;
+  if (!filled) return;
+  solid_reach_.resize(tile_reach_.size());
+  std::transform(inside_.entries().begin(), inside_.entries().end(), solid_reach_.begin(),
+                 [](std::uint32_t entry) { return std::uint8_t(entry == InsidePieces::kAll ? 255 : 0); });
+  chebyshev_transform(solid_reach_, object.grid.tiles, Border::kOpen);
 }
 
 double CellScene::tile_edge() const { return *std::max_element(resolution_.begin(), resolution_.end()); }
 
-void CellScene::find_inside(const MembershipMap& membership) {
-  tile_entries_.resize(std::size_t(tiles_[0] * tiles_[1] * tiles_[2]));
-  set_words_ = tile_.pieces.size() / 64 + 1;
-  std::vector<std::uint64_t> set(set_words_);
-  std::uint32_t sets = 0;
-  Voxel t{};
-  for (t[2] = 0; t[2] < tiles_[2]; ++t[2])
-    for (t[1] = 0; t[1] < tiles_[1]; ++t[1])
-      for (t[0] = 0; t[0] < tiles_[0]; ++t[0]) {
-        std::fill(set.begin(), set.end(), 0);
-        std::size_t count = 0;
-        for (std::size_t k = 0; k < tile_.pieces.size(); ++k) {
-          const Piece& p = tile_.pieces[k];
-          const Voxel home{t[0] + p.home[0], t[1] + p.home[1], t[2] + p.home[2]};
-          bool in = true;
-          for (std::size_t a = 0; a < 3; ++a) in = in && home[a] >= 0 && home[a] < tiles_[a];
-          if (!in || membership.tag(tile_index(home), p.cell) != Tag::kInside) continue;
-          set[(k + 1) / 64] |= std::uint64_t{1} << ((k + 1) % 64);
-          ++count;
-        }
-        std::uint32_t& entry = tile_entries_[tile_index(t)];
-        entry = count == 0 ? kNoneInside : count == tile_.pieces.size() ? kAllInside : kFirstSet + sets++;
-        if (entry >= kFirstSet) inside_sets_.insert(inside_sets_.end(), set.begin(), set.end());
-      }
+void CellScene::tiles_around(const Voxel& tile, std::int64_t reach, Voxel& low, Voxel& high) const {
+  for (std::size_t a = 0; a < 3; ++a) {
+    low[a] = (tile[a] - reach + 1) * resolution_[a];
+    high[a] = (tile[a] + reach) * resolution_[a];
+  }
 }
 
 bool CellScene::empty_around(const Voxel& tile, Voxel& low, Voxel& high) const {
   const std::int64_t reach = tile_reach_[tile_index(tile)];
   if (reach == 0) return false;
-  for (std::size_t a = 0; a < 3; ++a) {
-    low[a] = (tile[a] - reach + 1) * resolution_[a];
-    high[a] = (tile[a] + reach) * resolution_[a];
-  }
+  tiles_around(tile, reach, low, high);
   return true;
 }
 
@@ -84,7 +69,7 @@ bool CellScene::empty_box(const Voxel& v, Voxel& low, Voxel& high) const {
   const Voxel tile = tile_of(v);
   if (empty_around(tile, low, high)) return true;
   const std::uint64_t i = in_tile(v, tile);
-  if (inside_in(tile_entries_[tile_index(tile)], tile_.id(i))) return false;
+  if (inside_.has(inside_.entry(tile_index(tile)), tile_.id(i))) return false;
   const std::int64_t reach = voxel_reach_[i];
   for (std::size_t a = 0; a < 3; ++a) {
     low[a] = v[a] - reach;
@@ -137,7 +122,17 @@ bool CellScene::inside_point(Vec3 point) const {
 }
 
 void CellScene::solid_box(const Voxel& v, Voxel& low, Voxel& high) const {
-  const std::int64_t reach = voxel_reach_[in_tile(v, tile_of(v))];
+  const Voxel tile = tile_of(v);
+  if (!solid_reach_.empty() && solid_reach_[tile_index(tile)] > 0) {
+    tiles_around(tile, solid_reach_[tile_index(tile)], low, high);
+    // Unlike what is empty, what is solid ends with the grid.
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::max<std::int64_t>(low[a], 0);
+      high[a] = std::min(high[a], size_[a]);
+    }
+    return;
+  }
+  const std::int64_t reach = voxel_reach_[in_tile(v, tile)];
   for (std::size_t a = 0; a < 3; ++a) {
     low[a] = v[a] - reach;
     high[a] = v[a] + reach + 1;

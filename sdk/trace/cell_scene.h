@@ -6,6 +6,7 @@
 
 #include "format/cell_object.h"
 #include "sdk/trace/caster.h"
+#include "sdk/trace/inside_pieces.h"
 #include "sdk/trace/walk.h"
 
 namespace mesocell {
@@ -18,8 +19,8 @@ class CellScene {
   /// Whether voxel `v` of the grid is of an INSIDE instance.
   [[nodiscard]] bool inside(const Voxel& v) const {
     const Voxel tile = tile_of(v);
-    const std::uint32_t entry = tile_entries_[tile_index(tile)];
-    return entry != kNoneInside && inside_in(entry, tile_.id(in_tile(v, tile)));
+    const std::uint32_t entry = inside_.entry(tile_index(tile));
+    return entry != InsidePieces::kNone && inside_.has(entry, tile_.id(in_tile(v, tile)));
   }
 
   /// The largest known box of voxels [low, high) around voxel `v` of the grid, none of which is INSIDE. False
@@ -61,9 +62,9 @@ class CellScene {
   [[nodiscard]] Vec3 shading_normal(const Hit& hit) const;
 
  private:
-  static constexpr std::uint32_t kNoneInside = 0, kAllInside = 1, kFirstSet = 2;
-
   [[nodiscard]] bool empty_around(const Voxel& tile, Voxel& low, Voxel& high) const;
+  /// The box of all voxels in tiles nearer than `reach` (Chebyshev).
+  void tiles_around(const Voxel& tile, std::int64_t reach, Voxel& low, Voxel& high) const;
   // Coordinates of a grid are below 2^30: 32-bit divisions take a third of the time of 64-bit ones.
   [[nodiscard]] Voxel tile_of(const Voxel& v) const {
     return {std::uint32_t(v[0]) / resolution_[0], std::uint32_t(v[1]) / resolution_[1],
@@ -77,23 +78,13 @@ class CellScene {
                          resolution_[0] * (v[1] - tile[1] * resolution_[1] +
                                            resolution_[1] * (v[2] - tile[2] * resolution_[2])));
   }
-  /// Whether piece `id` (0: empty space) is INSIDE in a tile of this entry, which is not kNoneInside.
-  [[nodiscard]] bool inside_in(std::uint32_t entry, std::uint32_t id) const {
-    if (entry == kAllInside) return id != 0;
-    return inside_sets_[std::size_t{entry - kFirstSet} * set_words_ + id / 64] >> (id % 64) & 1;
-  }
-  void find_inside(const MembershipMap& membership);
 
   TileMap tile_;
   Box3 box_;
   double voxel_edge_;
   std::array<std::uint32_t, 3> resolution_{};
   Voxel tiles_{}, size_{};
-  /// For each tile: which of its pieces are INSIDE, none, all, or a set of inside_sets_.
-  std::vector<std::uint32_t> tile_entries_;
-  /// Sets of piece ids, a bit each, set_words_ words a set.
-  std::vector<std::uint64_t> inside_sets_;
-  std::size_t set_words_ = 0;
+  InsidePieces inside_;
   ColorMap color_;  ///< no voxels: white
   std::vector<Rgb8> cell_colors_, instance_colors_;
   /// For each tile, how many INSIDE instances have homes before it; only where instances have colors.
@@ -104,6 +95,9 @@ class CellScene {
   /// For each tile: 0 if an INSIDE instance has voxels in it, else all tiles nearer than this (Chebyshev)
   /// have none.
   std::vector<std::uint8_t> tile_reach_;
+  /// For each tile: 0 if some of its voxels are not INSIDE, else all tiles nearer than this are solid as
+  /// well. Empty if the tile has empty voxels.
+  std::vector<std::uint8_t> solid_reach_;
 };
 
 }  // namespace mesocell

@@ -1,8 +1,10 @@
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "tests/cli/run_command.h"
 #include "tests/import/mesh_bytes.h"
+#include "tests/import/picture_bytes.h"
 #include "tests/support/catch.h"
 #include "tests/support/shapes.h"
 
@@ -102,6 +104,74 @@ TEST_CASE("what is odd in meshes of a tile is said") {
   CHECK(warning_ids(made) == std::vector<std::string>{"cells-dropped", "cells-overlap"});
   // All of the file as one cell: overlapping parts are united.
   CHECK(convert({"tile:" + mesh_tile(file, ",cells=file"), folder.file("t.meso")})["cells"] == 1);
+}
+
+TEST_CASE("labels become a tile: a folder of slices, pages of a TIFF, a raw file") {
+  const TempFolder folder;
+  // Two cells: a box, and a plate that goes around the tile along x and so meets its own copy.
+  constexpr std::uint32_t n = 8;
+  std::string raw;
+  std::vector<PlainPicture> slices;
+  for (std::uint32_t z = 0; z < n; ++z) {
+    PlainPicture slice{n, n, 1, std::vector<std::uint32_t>(n * n)};
+    for (std::uint32_t y = 0; y < n; ++y)
+      for (std::uint32_t x = 0; x < n; ++x) {
+        const std::uint32_t label = z == 6 && y < 5 ? 9 : z < 4 && x < 3 && y < 4 ? 200 : 0;
+        raw += char(label);
+        slice.samples[x + n * (n - 1 - y)] = label;  // rows from the top
+      }
+    folder.write("slice" + std::to_string(z + 5) + ".png", png_bytes(slice));
+    slices.push_back(std::move(slice));
+  }
+  std::filesystem::create_directory(folder.file("slices"));
+  for (std::uint32_t z = 0; z < n; ++z)
+    std::filesystem::rename(folder.file("slice" + std::to_string(z + 5) + ".png"),
+                            folder.file("slices/slice" + std::to_string(z + 5) + ".png"));
+  const std::string tiff = folder.write("labels.tif", tiff_bytes(slices)),
+                    file = folder.write("labels.raw", raw);
+
+  const json a = convert({"tile:labels:file=" + folder.file("slices") + "/", folder.file("a.meso")});
+  CHECK(a["cells"] == 2);
+  CHECK(a["tile_resolution"] == json({8, 8, 8}));
+  CHECK(a["metadata"]["tile"] == "labels:file=slices");
+  CHECK(warning_ids(a) == std::vector<std::string>{"tile-percolates"});
+  convert({"tile:labels:file=" + tiff, folder.file("b.meso")});
+  convert({"tile:labels:resolution=8,file=" + file, folder.file("c.meso")});
+  for (const char* other : {"b.meso", "c.meso"}) {
+    const json compared =
+        run_command({"compare", folder.file("a.meso"), folder.file(other), "--json"}).json();
+    CHECK(compared["differences"] == json({"metadata"}));
+  }
+  const json refused =
+      convert({"tile:labels:file=" + tiff, folder.file("d.meso"), "--percolating", "refuse"}, 3);
+  CHECK(refused["error"]["id"] == "tile-percolates");
+  CHECK(refused["error"]["message"].get<std::string>().find("label 9") != std::string::npos);
+  convert({"tile:labels:file=" + file, folder.file("d.meso")}, 2);
+  convert({"tile:labels:file=" + file + ",resolution=9", folder.file("d.meso")}, 3);
+  convert({"tile:labels:file=" + tiff, folder.file("d.meso"), "--percolating", "perhaps"}, 2);
+}
+
+TEST_CASE("a picture becomes a solid texture, with a warning where it has a seam") {
+  const TempFolder folder;
+  PlainPicture stripes{8, 4, 3, {}}, ramp{8, 4, 3, {}};
+  for (std::uint32_t y = 0; y < 4; ++y)
+    for (std::uint32_t x = 0; x < 8; ++x)
+      for (std::uint32_t c = 0; c < 3; ++c) {
+        stripes.samples.push_back(x % 2 ? 200 : 40);
+        ramp.samples.push_back(30 * x);
+      }
+  const std::string tile = "tile:voronoi:cells=3,resolution=8";
+  const json plain = convert({tile, folder.file("s.meso"), "--color",
+                              "image:file=" + folder.write("stripes.png", png_bytes(stripes))});
+  CHECK(plain["color_resolution"] == json({8, 4, 1}));
+  CHECK(plain["metadata"]["color"] == "image:file=stripes.png");
+  CHECK(plain["warnings"].empty());
+  const std::string file = folder.write("ramp.png", png_bytes(ramp));
+  CHECK(warning_ids(convert({tile, folder.file("r.meso"), "--color", "image:file=" + file})) ==
+        std::vector<std::string>{"color-seam"});
+  convert({tile, folder.file("r.meso"), "--color", "image"}, 2);
+  convert({tile, folder.file("r.meso"), "--color", "image:seed=3,file=" + file}, 2);
+  convert({tile, folder.file("r.meso"), "--color", "image:file=" + folder.file("none.png")}, 3);
 }
 
 TEST_CASE("a tile that cannot be made is refused with the right exit code") {

@@ -20,8 +20,9 @@ void add_default(std::vector<std::string>& words, const char* option, const char
 
 Scene::Scene(const std::vector<std::string>& more) {
   const std::string mesh = folder.write("ball.off", mesh_bytes(make_sphere({0, 0, 0}, 1, 24), "mesh.off"));
-  std::vector<std::string> words = {"convert", mesh, asset, "--tiles", "8", "--quiet"};
+  std::vector<std::string> words = {"convert", mesh, asset, "--quiet"};
   words.insert(words.end(), more.begin(), more.end());
+  add_default(words, "--tiles", "8");
   add_default(words, "--tile", "voronoi:cells=8,resolution=16,seed=1");
   const Run run = run_command(words);
   INFO(run.err);

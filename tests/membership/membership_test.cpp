@@ -23,21 +23,6 @@ TileMap tile_of(const std::string& recipe) {
   return std::move(*tile);
 }
 
-TriangleMesh in_voxels(const TriangleMesh& mesh, const GridLayout& grid) {
-  TriangleMesh m = mesh;
-  for (Vec3& v : m.vertices) v = (v - to_vec3(grid.box_min)) / grid.voxel_edge;
-  return m;
-}
-
-/// How many tags differ from the definition.
-std::uint64_t wrong_tags(const MembershipMap& map, const std::vector<Tag>& expected) {
-  std::uint64_t wrong = 0;
-  for (std::uint64_t t = 0; t < map.entries.size(); ++t)
-    for (std::uint32_t c = 1; c <= map.cell_count; ++c)
-      wrong += map.tag(t, c) != expected[t * map.cell_count + c - 1];
-  return wrong;
-}
-
 /// Tags of `mesh` (voxel units) against the definition, for a tile.
 void check_against_definition(const TriangleMesh& mesh, const Index3& tiles, const TileMap& tile,
                               const std::vector<bool>& inside) {
@@ -51,10 +36,6 @@ void check_against_definition(const TriangleMesh& mesh, const Index3& tiles, con
     const InstanceCounts n = count_instances(*map);
     CHECK(n.inside + n.outside + n.intersected == map->entries.size() * tile.cell_count);
   }
-}
-
-Index3 voxels_of(const Index3& tiles, const TileMap& tile) {
-  return {tiles[0] * tile.resolution[0], tiles[1] * tile.resolution[1], tiles[2] * tile.resolution[2]};
 }
 
 /// Three tiles of a resolution: many cells, empty space, and a cell that meets its own copies.

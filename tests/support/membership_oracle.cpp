@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 
 #include "sdk/membership/predicates.h"
 
@@ -48,6 +49,12 @@ std::vector<Point> clip(const std::vector<Point>& polygon, std::size_t axis, int
 
 bool meets_voxel(const std::array<Vec3, 3>& triangle, const std::array<std::int64_t, 3>& voxel) {
   std::vector<Point> polygon;
+  for (const Vec3& v : triangle) {
+    bool within = true;
+    for (std::size_t a = 0; a < 3; ++a)
+      within = within && v[a] >= double(voxel[a]) && v[a] <= double(voxel[a] + 1);
+    if (within) return true;
+  }
   for (const Vec3& v : triangle) polygon.push_back({mpq_class(v.x), mpq_class(v.y), mpq_class(v.z)});
   for (std::size_t a = 0; a < 3 && !polygon.empty(); ++a) {
     polygon = clip(polygon, a, 1, mpq_class(long(voxel[a])));
@@ -56,12 +63,33 @@ bool meets_voxel(const std::array<Vec3, 3>& triangle, const std::array<std::int6
   return !polygon.empty();
 }
 
+/// Whether a voxel is farther from the triangle's plane than rounding can hide, so that it need not be looked
+/// at.
+class FarFromPlane {
+ public:
+  explicit FarFromPlane(const std::array<Vec3, 3>& t)
+      : a_(t[0]),
+        normal_(cross(t[1] - t[0], t[2] - t[0])),
+        size_(length(t[1] - t[0]) * length(t[2] - t[0])) {}
+
+  bool operator()(const std::array<std::int64_t, 3>& voxel) const {
+    const Vec3 c = Vec3{double(voxel[0]) + 0.5, double(voxel[1]) + 0.5, double(voxel[2]) + 0.5} - a_;
+    const double half = (std::abs(normal_.x) + std::abs(normal_.y) + std::abs(normal_.z)) / 2;
+    return std::abs(dot(normal_, c)) > half + 1e-9 * size_ * (1 + length(a_) + length(c));
+  }
+
+ private:
+  Vec3 a_, normal_;
+  double size_;
+};
+
 }  // namespace
 
 std::vector<bool> touched_by_definition(const TriangleMesh& mesh, const Index3& voxels) {
   std::vector<bool> touched(std::size_t{voxels[0]} * voxels[1] * voxels[2]);
   for (const Triangle& t : mesh.triangles) {
     const std::array<Vec3, 3> triangle{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+    const FarFromPlane far(triangle);
     Box3 box;
     for (const Vec3& v : triangle) box.add(v);
     std::array<std::int64_t, 3> low{}, high{}, v{};
@@ -75,7 +103,7 @@ std::vector<bool> touched_by_definition(const TriangleMesh& mesh, const Index3& 
           const std::size_t i =
               std::size_t(v[0]) +
               std::size_t{voxels[0]} * (std::size_t(v[1]) + std::size_t{voxels[1]} * std::size_t(v[2]));
-          if (!touched[i]) touched[i] = meets_voxel(triangle, v);
+          if (!touched[i] && !far(v)) touched[i] = meets_voxel(triangle, v);
         }
   }
   return touched;
@@ -126,12 +154,13 @@ std::vector<Tag> tags_by_definition(const std::vector<bool>& inside, const Index
   const std::int64_t r[3] = {tile.resolution[0], tile.resolution[1], tile.resolution[2]};
   std::vector<bool> any_inside(std::size_t(n[0] * n[1] * n[2]) * tile.cell_count),
       any_outside(any_inside.size());
-  constexpr std::int64_t kReach =
-      2;  // tiles beyond the grid in which instances at home in it may have voxels
+  std::int64_t reach = 0;  // tiles beyond the grid in which instances at home in it may have voxels
+  for (const Piece& p : tile.pieces)
+    for (const std::int8_t h : p.home) reach = std::max<std::int64_t>(reach, std::abs(h));
   std::int64_t t[3], v[3];
-  for (t[2] = -kReach; t[2] < n[2] + kReach; ++t[2])
-    for (t[1] = -kReach; t[1] < n[1] + kReach; ++t[1])
-      for (t[0] = -kReach; t[0] < n[0] + kReach; ++t[0]) {
+  for (t[2] = -reach; t[2] < n[2] + reach; ++t[2])
+    for (t[1] = -reach; t[1] < n[1] + reach; ++t[1])
+      for (t[0] = -reach; t[0] < n[0] + reach; ++t[0]) {
         bool in_grid = true;
         for (int a = 0; a < 3; ++a) in_grid = in_grid && t[a] >= 0 && t[a] < n[a];
         for (v[2] = 0; v[2] < r[2]; ++v[2])
@@ -162,6 +191,24 @@ std::vector<Tag> tags_by_definition(const std::vector<bool>& inside, const Index
   for (std::size_t k = 0; k < tags.size(); ++k)
     tags[k] = !any_outside[k] ? Tag::kInside : !any_inside[k] ? Tag::kOutside : Tag::kIntersected;
   return tags;
+}
+
+std::uint64_t wrong_tags(const MembershipMap& map, const std::vector<Tag>& expected) {
+  std::uint64_t wrong = 0;
+  for (std::uint64_t t = 0; t < map.entries.size(); ++t)
+    for (std::uint32_t c = 1; c <= map.cell_count; ++c)
+      wrong += map.tag(t, c) != expected[t * map.cell_count + c - 1];
+  return wrong;
+}
+
+Index3 voxels_of(const Index3& tiles, const TileMap& tile) {
+  return {tiles[0] * tile.resolution[0], tiles[1] * tile.resolution[1], tiles[2] * tile.resolution[2]};
+}
+
+TriangleMesh in_voxels(const TriangleMesh& mesh, const GridLayout& grid) {
+  TriangleMesh m = mesh;
+  for (Vec3& v : m.vertices) v = (v - to_vec3(grid.box_min)) / grid.voxel_edge;
+  return m;
 }
 
 }  // namespace mesocell::test

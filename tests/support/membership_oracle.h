@@ -21,4 +21,13 @@ namespace mesocell::test {
 [[nodiscard]] std::vector<Tag> tags_by_definition(const std::vector<bool>& inside, const Index3& tiles,
                                                   const TileMap& tile, const std::vector<bool>& touched = {});
 
+/// How many tags of a map differ from such a list.
+[[nodiscard]] std::uint64_t wrong_tags(const MembershipMap& map, const std::vector<Tag>& expected);
+
+/// Voxels of a grid along each axis.
+[[nodiscard]] Index3 voxels_of(const Index3& tiles, const TileMap& tile);
+
+/// A mesh in the voxel units of a grid.
+[[nodiscard]] TriangleMesh in_voxels(const TriangleMesh& mesh, const GridLayout& grid);
+
 }  // namespace mesocell::test

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "format/cell_object_io.h"
 #include "format/normal_map.h"
 #include "sdk/core/rng.h"
 #include "sdk/tiles/tile_builder.h"
 #include "sdk/tiles/tile_spec.h"
+#include "sdk/trace/exact.h"
 #include "tests/support/catch.h"
 
 using namespace mesocell;
@@ -138,4 +140,70 @@ TEST_CASE("normals continue across the tile's border, and the map holds them in 
   const std::atomic<bool> cancel{true};
   const Progress progress{{}, &cancel};
   CHECK_FALSE(make_normal_map(tile, 2, &progress).has_value());
+}
+
+TEST_CASE("source 4.6: walls between two inside cells, and thin walls, spoil the mean of 26 directions") {
+  // Two cells side by side, x < 8 and x >= 8, with empty space above and below: as one solid, its top is
+  // flat.
+  TileBuilder builder({16, 16, 16}, 2);
+  std::uint64_t i = 0;
+  for (std::uint32_t z = 0; z < 16; ++z)
+    for (std::uint32_t y = 0; y < 16; ++y)
+      for (std::uint32_t x = 0; x < 16; ++x, ++i)
+        if (z >= 3 && z < 13) builder.set(i, builder.code(x < 8 ? 1 : 2, builder.image_index(0, 0, 0)));
+  CellObject object;
+  object.tile = builder.finish(1, nullptr);
+  object.grid = {{0, 0, 0}, 1, {3, 3, 1}};
+  object.membership = {MembershipRule::kCentre, {3, 3, 1}, 2, std::vector<std::uint32_t>(9, 1), {}};
+  const CellNormals normals(object.tile);
+  const auto caster = make_exact_caster(object);
+  for (const double x : {23.5, 24.5}) {  // on both sides of the wall
+    Hit hit;
+    REQUIRE(caster->first_hit({{x, 24.5, 20}, {0, 0, -1}}, hit));
+    CHECK(length(caster->shading_normal(hit) - Vec3{0, 0, 1}) < 1e-12);
+    const Vec3 mean = normals.neighbour_normal({std::uint32_t(x) - 16, 8, 12});
+    CHECK(std::acos(mean.z) * kDegrees > 40);
+  }
+  // A wall of one voxel: the mean is zero, but each side has its normal.
+  CellObject wall;
+  wall.tile = cell_of(16, [](Vec3 p) { return p.z > 7 && p.z < 8; });
+  wall.grid = object.grid;
+  wall.membership = {MembershipRule::kCentre, {3, 3, 1}, 1, std::vector<std::uint32_t>(9, 1), {}};
+  const auto thin = make_exact_caster(wall);
+  CHECK(CellNormals(wall.tile).neighbour_normal({8, 8, 7}) == Vec3{});
+  for (const double side : {1.0, -1.0}) {
+    Hit hit;
+    REQUIRE(thin->first_hit({{24.5, 24.5, 7.5 + 5 * side}, {0, 0, -side}}, hit));
+    CHECK(thin->shading_normal(hit) == Vec3{0, 0, side});
+  }
+}
+
+TEST_CASE(
+    "source 5.1: normals take two bytes, and only at boundaries, where the source has four floats a voxel") {
+  // Table 5.1: the normal map takes 4 MB at 64 voxels, and 256 MB at 256.
+  const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=64,seed=1"));
+  const std::size_t by_source = 4 * sizeof(float) * tile.voxel_count();
+  CHECK(by_source == 4u << 20);
+  const std::optional<NormalMap> map = make_normal_map(tile);
+  REQUIRE(map.has_value());
+  const std::vector<std::uint8_t> boundary = boundary_voxels(tile);
+  CHECK(map->normals.size() == std::size_t(std::count(boundary.begin(), boundary.end(), 1)));
+  CHECK(map->normals.size() < tile.voxel_count() / 3);
+  const std::size_t bytes = map->normals.size() * sizeof(map->normals[0]);
+  CHECK(bytes < by_source / 25);
+  // In a file it takes no more than that.
+  CellObject object;
+  object.tile = tile;
+  object.grid = {{0, 0, 0}, 1, {1, 1, 1}};
+  object.membership = {
+      MembershipRule::kCentre, {1, 1, 1}, tile.cell_count, {std::uint32_t(Tag::kOutside)}, {}};
+  const Result<std::vector<std::byte>> bare = encode_cell_object(object);
+  object.normals = map;
+  const Result<std::vector<std::byte>> whole = encode_cell_object(object);
+  REQUIRE(bare.ok());
+  REQUIRE(whole.ok());
+  CHECK(whole->size() > bare->size());
+  CHECK(whole->size() - bare->size() < bytes + 256);
+  const TileMap large = *make_tile(*parse_recipe("voronoi:cells=8,resolution=256,seed=1"));
+  CHECK(2 * count_boundary_voxels(large) < (256u << 20) / 100);
 }

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "sdk/core/rng.h"
+#include "sdk/tiles/tile_builder.h"
 #include "sdk/tiles/tile_spec.h"
 #include "tests/support/cast_oracle.h"
 #include "tests/support/catch.h"
@@ -63,4 +64,41 @@ TEST_CASE("a tile of too many pieces is refused, with their number") {
   REQUIRE_FALSE(maps.ok());
   CHECK(maps.error().code == ErrorCode::kLimit);
   CHECK(maps.error().message.find(std::to_string(object.tile.pieces.size())) != std::string::npos);
+}
+
+TEST_CASE("source algorithm 4.5: index 64 addresses a fifth channel; ours count from zero") {
+  // 64 cells of a voxel each, so 64 pieces, every third of them INSIDE.
+  TileBuilder builder({4, 4, 4}, 64);
+  for (std::uint32_t i = 0; i < 64; ++i) builder.set(i, builder.code(i + 1, builder.image_index(0, 0, 0)));
+  CellObject o;
+  o.tile = builder.finish(1, nullptr);
+  o.grid = {{0, 0, 0}, 1, {1, 1, 1}};
+  o.membership = {MembershipRule::kCentre, {1, 1, 1}, 64, {MembershipMap::kFirstBlock}, {}};
+  o.membership.blocks.resize(16);
+  const auto expected = [](std::uint32_t index) {
+    return index % 3 == 1 ? GpuMaps::kInside : GpuMaps::kOutside;
+  };
+  for (std::uint32_t c = 1; c <= 64; ++c)
+    o.membership.blocks[(c - 1) / 4] |= std::uint8_t(expected(c) << (2 * ((c - 1) % 4)));
+  const Result<GpuMaps> maps = make_gpu_maps(o);
+  REQUIRE(maps.ok());
+  // Algorithm 4.5 as printed: channel = index >> 4, shift = (index & 15) << 1, of indices 1 to 64.
+  const auto channel = [](std::uint32_t index) { return index >> 4; };
+  const auto by_source = [&](std::uint32_t index) {
+    return maps->tile_codes[0][channel(index)] >> ((index & 15) << 1) & 3;
+  };
+  CHECK(channel(64) == maps->tile_codes[0].size());
+  std::uint32_t wrong = 0;
+  for (std::uint32_t index = 1; index < 64; ++index) wrong += by_source(index) != expected(index);
+  CHECK(wrong > 30);
+  for (std::uint32_t index = 1; index <= 64; ++index) REQUIRE(maps->code(0, index) == expected(index));
+  // The last one is at the top of the last channel.
+  CHECK(maps->tile_codes[0][3] >> 30 == std::uint32_t(GpuMaps::kInside));
+
+  // Cells that hold fewer than eight pieces each leave room for more than eight cells.
+  Rng rng(3);
+  const CellObject spheres = random_object(rng, "spheres:cells=16,resolution=16,seed=2", {3, 3, 3}, 0.5);
+  CHECK(8 * spheres.tile.cell_count > 64);
+  REQUIRE(spheres.tile.pieces.size() <= 64);
+  REQUIRE(make_gpu_maps(spheres).ok());
 }

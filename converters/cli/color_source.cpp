@@ -1,0 +1,66 @@
+#include "converters/cli/color_source.h"
+
+#include <array>
+#include <cstdio>
+#include <string_view>
+#include <utility>
+
+#include "converters/import/volume_file.h"
+
+namespace mesocell {
+namespace {
+
+constexpr std::string_view kImport = "image", kOption = "--color";
+
+/// What tells that a texture does not tile.
+void check_seams(const ColorMap& map, std::vector<Warning>& warnings) {
+  const WrapCheck check = check_wrap(map);
+  if (!check.has_seam()) return;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "the colors do not tile: steps across the border of the tile are %.1f times the largest "
+                "within, changes of "
+                "slope %.1f times; seams will be seen",
+                check.value_ratio, check.gradient_ratio);
+  warnings.push_back({"color-seam", text});
+}
+
+}  // namespace
+
+std::optional<Failure> make_sourced_colors(const Recipe& recipe, std::uint32_t cell_count,
+                                           const TriangleMesh& surface, const Progress& progress,
+                                           Colors& colors, std::vector<Warning>& warnings) {
+  const std::string option(kOption);
+  if (recipe.name != kImport) {
+    Result<Colors> made = make_colors(recipe, cell_count, surface);
+    if (!made) return Failure{made.error(), option};
+    colors = std::move(*made);
+    return std::nullopt;
+  }
+  constexpr std::array<std::string_view, 2> kOptions = {"file", "resolution"};
+  if (const Status status = check_options(recipe, "color", kOptions); !status)
+    return Failure{status.error(), option};
+  const auto file = recipe.options.find("file");
+  if (file == recipe.options.end()) return usage(option, "a file is missing; write image:file=NAME");
+  VolumeReadOptions read;
+  if (recipe.options.contains("resolution")) {
+    const auto resolution = resolution_option(recipe, "resolution", {}, 1, 1024);
+    if (!resolution) return Failure{resolution.error(), option};
+    read.raw_resolution = *resolution;
+  }
+  Result<ColorMap> map = read_color_volume(file->second, read, &progress);
+  if (!map) return Failure{map.error(), map.error().code == ErrorCode::kUsage ? option : file->second};
+  check_seams(*map, warnings);
+  colors = {};
+  colors.map = std::move(*map);
+  return std::nullopt;
+}
+
+std::string color_sources_help() {
+  return color_recipes_help() +
+         "image:file=slices/   a picture, a folder of pictures or a TIFF of several, as a solid texture of "
+         "the tile;\n"
+         "    resolution=WxHxD is needed for .raw alone\n";
+}
+
+}  // namespace mesocell

@@ -1,0 +1,255 @@
+#include "converters/import/volume_file.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "converters/image/extension.h"
+#include "converters/image/input_file.h"
+#include "converters/import/slice_stack.h"
+#include "converters/import/sniff.h"
+#include "converters/import/tiff_check.h"
+#include "converters/import/volume_slices.h"
+
+namespace mesocell {
+namespace {
+
+constexpr std::uint32_t kMaxSide = 1024;
+/// With that many channels a slice has 64 MB at most.
+constexpr std::size_t kMaxChannels = 16;
+
+using namespace std::string_view_literals;
+
+/// How a picture begins, and the image library's name for its format.
+struct Mark {
+  std::string_view begins;
+  const char* format;
+};
+constexpr std::array<Mark, 8> kMarks = {{
+    {"\x89PNG\r\n\x1a\n"sv, "png"},
+    {"II*\0"sv, "tiff"},
+    {"MM\0*"sv, "tiff"},
+    {"II+\0"sv, "tiff"},
+    {"MM\0+"sv, "tiff"},
+    {"\x76\x2f\x31\x01"sv, "openexr"},
+    {"#?RADIANCE"sv, "hdr"},
+    {"#?RGBE"sv, "hdr"},
+}};
+
+Error invalid(std::string message) { return Error{ErrorCode::kInvalidInput, std::move(message)}; }
+
+std::string sizes(const Index3& n) {
+  return std::to_string(n[0]) + " x " + std::to_string(n[1]) + " x " + std::to_string(n[2]);
+}
+
+Status check_resolution(const Index3& n, std::uint32_t least, const VolumeReadOptions& options) {
+  if (*std::min_element(n.begin(), n.end()) < least)
+    return invalid(
+        "the volume has " + sizes(n) + " voxels; at least " + std::to_string(least) +
+        " are needed along each axis" +
+        (n[2] == 1 ? ", and a picture is one slice: give a folder of them or a TIFF of several pages" : ""));
+  if (*std::max_element(n.begin(), n.end()) > kMaxSide || n[2] > options.max_slices ||
+      std::uint64_t{n[0]} * n[1] * n[2] > options.max_voxels)
+    return Error{ErrorCode::kLimit,
+                 "the volume has " + sizes(n) + " voxels; at most " + std::to_string(kMaxSide) +
+                     " along each axis, " + std::to_string(options.max_slices) + " slices and " +
+                     std::to_string(options.max_voxels) + " voxels are read, make it smaller"};
+  return {};
+}
+
+/// What a picture's file was found to be, before the image library sees it.
+struct Picture {
+  const char* format = nullptr;
+  std::uint32_t pages = 1;
+  std::uint32_t stored_bits = 0;  ///< of a gray picture's integers; 0 where the library knows
+};
+
+Result<Picture> examine(const std::string& path, const VolumeReadOptions& options) {
+  const Result<InputFile> file = InputFile::open(path, options.max_file_bytes);
+  if (!file) return file.error();
+  if (file->size() == 0) return invalid("the file is empty; fetch or export it again");
+  std::array<std::byte, 32> head{};
+  const std::size_t head_bytes = std::size_t(std::min<std::uint64_t>(file->size(), head.size()));
+  if (!file->read_at(0, std::span(head).first(head_bytes)))
+    return Error{ErrorCode::kUnreadable, "it cannot be read; check the disk"};
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), head_bytes);
+  Picture picture;
+  for (const Mark& mark : kMarks)
+    if (text.starts_with(mark.begins)) picture.format = mark.format;
+  if (!picture.format) {
+    const std::string_view content = sniff_content(text);
+    return invalid("the file is " + (content.empty() ? "no picture that can be read" : std::string(content)) +
+                   "; volumes are read from " + kVolumeSources);
+  }
+  if (picture.format == "tiff"sv) {
+    const Result<TiffLayout> layout = check_tiff(*file, options.max_slices, kMaxSide);
+    if (!layout) return layout.error();
+    picture.pages = layout->pages;
+    picture.stored_bits = layout->bits;
+  }
+  // Bit depth and color type of the header; 0 is gray [PNG 11.2.1].
+  if (picture.format == "png"sv && text.size() > 25 && text[25] == 0)
+    picture.stored_bits = std::uint8_t(text[24]);
+  return picture;
+}
+
+/// What reading a volume needs all along.
+struct Reading {
+  const VolumeReadOptions& options;
+  const Progress* progress;
+  VolumeSlices& slices;
+  Index3 resolution{};     ///< z is known from the start, x and y from the first slice
+  std::uint32_t done = 0;  ///< slices
+
+  Status begin(std::uint32_t width, std::uint32_t height) {
+    resolution[0] = width;
+    resolution[1] = height;
+    if (Status status = check_resolution(resolution, slices.least_side(), options); !status) return status;
+    return slices.begin(resolution);
+  }
+  Status next() {
+    if (progress && progress->cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
+    if (progress && progress->report) progress->report("read slices", double(done) / resolution[2]);
+    ++done;
+    return {};
+  }
+};
+
+/// Reads all pages of a picture, each a slice.
+Status read_picture(const std::string& path, const Picture& picture, Reading& reading) {
+  PageSink sink;
+  sink.begin = [&](const PageHeader& header) -> Status {
+    if (header.channels.size() > kMaxChannels)
+      return Error{ErrorCode::kLimit,
+                   "it has " + std::to_string(header.channels.size()) + " channels; save it as gray or RGB"};
+    if (reading.done == 0) {
+      if (Status status = reading.begin(header.width, header.height); !status) return status;
+    } else if (header.width != reading.resolution[0] || header.height != reading.resolution[1]) {
+      return invalid("it has " + std::to_string(header.width) + " x " + std::to_string(header.height) +
+                     " pixels, the first slice " + std::to_string(reading.resolution[0]) + " x " +
+                     std::to_string(reading.resolution[1]) + "; all must have the same size");
+    }
+    return reading.slices.check(header, picture.stored_bits);
+  };
+  sink.take = [&](std::uint32_t, PageSamples samples) -> Status {
+    if (Status status = reading.next(); !status) return status;
+    return reading.slices.append(samples);
+  };
+  return read_pages(path, picture.format, picture.pages, sink);
+}
+
+Status read_stack(const std::string& folder, Reading& reading) {
+  const Result<std::vector<std::string>> names =
+      list_slices(folder, {".png", ".tif", ".tiff", ".exr", ".hdr"}, reading.options.max_slices);
+  if (!names) return names.error();
+  reading.resolution[2] = std::uint32_t(names->size());
+  for (const std::string& name : *names) {
+    const auto in_slice = [&](Error error) {
+      error.message = "slice '" + name + "': " + error.message;
+      return error;
+    };
+    const std::string path = (std::filesystem::path(folder) / name).string();
+    const Result<Picture> picture = examine(path, reading.options);
+    if (!picture) return in_slice(picture.error());
+    if (picture->pages != 1)
+      return in_slice(
+          invalid("it has " + std::to_string(picture->pages) +
+                  " pages, of which a slice has one; give the file without the folder, or take it apart"));
+    if (Status status = read_picture(path, *picture, reading); !status) return in_slice(status.error());
+  }
+  return {};
+}
+
+/// Reads a .raw file of `unit_bytes`, one of the sizes that a voxel may have; `append` takes a slice's bytes.
+template <typename Append>
+Status read_raw(const std::string& path, Reading& reading, std::span<const std::uint32_t> voxel_bytes,
+                const Append& append) {
+  const Result<InputFile> file = InputFile::open(path, reading.options.max_file_bytes);
+  if (!file) return file.error();
+  if (!reading.options.raw_resolution)
+    return Error{ErrorCode::kUsage,
+                 "a .raw file does not say how many voxels it has along x, y and z; give its resolution"};
+  const Index3 n = *reading.options.raw_resolution;
+  reading.resolution = n;
+  // Before the sizes are multiplied.
+  if (Status status = check_resolution(n, reading.slices.least_side(), reading.options); !status)
+    return status;
+  const std::uint64_t voxels = std::uint64_t{n[0]} * n[1] * n[2];
+  std::uint32_t bytes = 0;
+  std::string possible;
+  for (const std::uint32_t size : voxel_bytes) {
+    if (file->size() == voxels * size) bytes = size;
+    possible += (possible.empty() ? "" : " or ") + std::to_string(voxels * size);
+  }
+  if (bytes == 0)
+    return invalid("it has " + std::to_string(file->size()) + " bytes; with " + sizes(n) +
+                   " voxels it would have " + possible +
+                   ", so the resolution is another, or the file has a header or is cut off");
+  if (Status status = reading.begin(n[0], n[1]); !status) return status;
+  std::vector<std::byte> slice(std::size_t{n[0]} * n[1] * bytes);
+  for (std::uint32_t z = 0; z < n[2]; ++z) {
+    if (Status status = reading.next(); !status) return status;
+    if (!file->read_at(std::uint64_t{z} * slice.size(), slice))
+      return Error{ErrorCode::kUnreadable, "it cannot be read to its end; check the disk"};
+    append(slice, bytes);
+  }
+  return {};
+}
+
+/// Reads pictures, in a folder or as pages of a file.
+Status read_pictures(const std::string& path, Reading& reading) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return read_stack(path, reading);
+  const Result<Picture> picture = examine(path, reading.options);
+  if (!picture) return picture.error();
+  reading.resolution[2] = picture->pages;
+  return read_picture(path, *picture, reading);
+}
+
+}  // namespace
+
+bool is_raw_volume(const std::string& path) {
+  std::error_code error;
+  return lower_extension(path) == ".raw" && !std::filesystem::is_directory(path, error);
+}
+
+Result<LabelVolume> read_label_volume(const std::string& path, const VolumeReadOptions& options,
+                                      const Progress* progress) {
+  LabelSlices slices;
+  Reading reading{options, progress, slices};
+  const auto append = [&](std::span<const std::byte> bytes, std::uint32_t size) {
+    for (std::size_t i = 0; i < bytes.size(); i += size) {
+      std::uint32_t label = 0;
+      for (std::uint32_t k = 0; k < size; ++k) label |= std::uint32_t(bytes[i + k]) << (8 * k);
+      slices.volume.labels.push_back(label);
+    }
+  };
+  constexpr std::array<std::uint32_t, 3> sizes_of_labels = {1, 2, 4};
+  Status status =
+      is_raw_volume(path) ? read_raw(path, reading, sizes_of_labels, append) : read_pictures(path, reading);
+  if (!status) return status.error();
+  return std::move(slices.volume);
+}
+
+Result<ColorMap> read_color_volume(const std::string& path, const VolumeReadOptions& options,
+                                   const Progress* progress) {
+  ColorSlices slices;
+  Reading reading{options, progress, slices};
+  const auto append = [&](std::span<const std::byte> bytes, std::uint32_t size) {
+    for (std::size_t i = 0; i < bytes.size(); i += size) {
+      const auto channel = [&](std::size_t k) { return std::uint8_t(bytes[i + (size == 3 ? k : 0)]); };
+      slices.map.voxels.push_back({channel(0), channel(1), channel(2)});
+    }
+  };
+  constexpr std::array<std::uint32_t, 2> sizes_of_colors = {1, 3};
+  Status status =
+      is_raw_volume(path) ? read_raw(path, reading, sizes_of_colors, append) : read_pictures(path, reading);
+  if (!status) return status.error();
+  return std::move(slices.map);
+}
+
+}  // namespace mesocell

@@ -1,0 +1,146 @@
+#include "converters/import/volume_slices.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <utility>
+
+#include "sdk/core/srgb.h"
+
+namespace mesocell {
+namespace {
+
+Error invalid(std::string message) { return Error{ErrorCode::kInvalidInput, std::move(message)}; }
+
+Error no_memory() {
+  return Error{ErrorCode::kLimit, "there is not enough memory for the volume; make it smaller"};
+}
+
+/// Calls `voxel` with the first sample of each pixel, in the order of voxels: the lowest row first.
+template <typename Voxel>
+void for_each_pixel(const PageHeader& header, PageSamples samples, const Voxel& voxel) {
+  const std::size_t channels = header.channels.size();
+  for (std::uint32_t y = 0; y < header.height; ++y) {
+    const std::uint32_t row = header.height - 1 - y;
+    for (std::uint32_t x = 0; x < header.width; ++x)
+      voxel(&samples[(std::size_t{row} * header.width + x) * channels], x, row);
+  }
+}
+
+/// What a picture says a label is, for messages.
+std::string kind(const PageHeader& header, bool gray, std::uint32_t bits) {
+  return std::string(gray ? "gray" : "colors") +
+         (header.is_float ? " in floats" : " of " + std::to_string(bits) + " bits");
+}
+
+}  // namespace
+
+std::optional<ColorChannels> color_channels(const PageHeader& header) {
+  std::vector<std::size_t> not_alpha;
+  for (std::size_t c = 0; c < header.channels.size(); ++c)
+    if (header.channels[c] != "A") not_alpha.push_back(c);
+  if (not_alpha.size() == 1) return ColorChannels{true, {not_alpha[0], not_alpha[0], not_alpha[0]}};
+  ColorChannels found;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto at = std::find(header.channels.begin(), header.channels.end(), std::string(1, "RGB"[k]));
+    if (at == header.channels.end()) return std::nullopt;
+    found.index[k] = std::size_t(at - header.channels.begin());
+  }
+  return found;
+}
+
+Status LabelSlices::begin(const Index3& resolution) try {
+  volume.resolution = resolution;
+  volume.labels.reserve(volume.voxel_count());
+  return {};
+} catch (const std::bad_alloc&) {
+  return no_memory();
+}
+
+Status LabelSlices::check(const PageHeader& header, std::uint32_t stored_bits) {
+  const std::optional<ColorChannels> channels = color_channels(header);
+  if (!channels) return invalid("it is neither gray nor RGB; labels are read from such pictures alone");
+  if (!header.exact)
+    return invalid(
+        "its compression or kind does not keep values exactly, as labels must be; save it as PNG or TIFF");
+  if (!channels->gray && (header.is_float || header.bits != 8))
+    return invalid(
+        "its colors have no 8 bits a channel; labels are read from colors of 8 bits or from gray values");
+  const std::uint32_t bits = header.is_float                      ? 32
+                             : channels->gray && stored_bits != 0 ? stored_bits
+                                                                  : header.bits;
+  // The same color or value must be the same label everywhere, and programs that save a slice with few values
+  // may choose fewer bits or gray, in which its values are others.
+  if (bits_ != 0 &&
+      (bits != bits_ || channels->gray != channels_.gray || header.is_float != header_.is_float))
+    return invalid("it has " + kind(header, channels->gray, bits) + ", the first slice " +
+                   kind(header_, channels_.gray, bits_) + "; save all alike");
+  header_ = header;
+  channels_ = *channels;
+  bits_ = bits;
+  return {};
+}
+
+Status LabelSlices::append(PageSamples samples) {
+  const auto [r, g, b] = channels_.index;
+  if (!channels_.gray) {
+    for_each_pixel(header_, samples, [&](const std::uint32_t* pixel, std::uint32_t, std::uint32_t) {
+      volume.labels.push_back(pixel[r] | pixel[g] << 8 | pixel[b] << 16);
+    });
+    return {};
+  }
+  if (!header_.is_float) {
+    // The library scales values of less than 8 bits up to 8; their upper bits are what was stored.
+    const std::uint32_t shift = header_.bits - std::min(bits_, header_.bits);
+    for_each_pixel(header_, samples, [&](const std::uint32_t* pixel, std::uint32_t, std::uint32_t) {
+      volume.labels.push_back(pixel[r] >> shift);
+    });
+    return {};
+  }
+  Status status;
+  for_each_pixel(header_, samples, [&](const std::uint32_t* pixel, std::uint32_t x, std::uint32_t row) {
+    const float value = float_sample(pixel[r]);
+    // Above, floats are whole by their nature, whatever was meant.
+    const bool whole = value >= 0 && value <= 16777216.0f && value == std::floor(value);
+    if (!whole && status)
+      status = invalid("the pixel in column " + std::to_string(x) + ", row " + std::to_string(row) +
+                       " has the value " + std::to_string(value) +
+                       "; labels are whole numbers from 0, in floats up to 16777216");
+    volume.labels.push_back(whole ? std::uint32_t(value) : 0);
+  });
+  return status;
+}
+
+Status ColorSlices::begin(const Index3& resolution) try {
+  map.resolution = resolution;
+  map.voxels.reserve(std::size_t{resolution[0]} * resolution[1] * resolution[2]);
+  return {};
+} catch (const std::bad_alloc&) {
+  return no_memory();
+}
+
+Status ColorSlices::check(const PageHeader& header, std::uint32_t) {
+  const std::optional<ColorChannels> channels = color_channels(header);
+  if (!channels) return invalid("it is neither gray nor RGB; colors are read from such pictures alone");
+  header_ = header;
+  channels_ = *channels;
+  return {};
+}
+
+Status ColorSlices::append(PageSamples samples) {
+  const std::uint64_t white = header_.is_float ? 1 : (std::uint64_t{1} << header_.bits) - 1;
+  const bool srgb = header_.encoding == ImageEncoding::kSrgb;
+  const auto encode = [&](std::uint32_t sample) {
+    if (header_.is_float) return linear_to_srgb8(double{float_sample(sample)});
+    if (!srgb) return linear_to_srgb8(double(sample) / double(white));
+    return std::uint8_t((sample * std::uint64_t{255} + white / 2) / white);
+  };
+  for_each_pixel(header_, samples, [&](const std::uint32_t* pixel, std::uint32_t, std::uint32_t) {
+    Rgb8 color{};
+    for (std::size_t k = 0; k < 3; ++k) color[k] = encode(pixel[channels_.index[k]]);
+    map.voxels.push_back(color);
+  });
+  return {};
+}
+
+}  // namespace mesocell
