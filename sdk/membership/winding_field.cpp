@@ -59,7 +59,8 @@ WindingField::WindingField(const std::vector<std::array<Vec3, 3>>& triangles) {
   std::vector<Box3> boxes(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (const Vec3& v : triangles[t]) boxes[t].add(v);
-  for (const std::uint32_t t : BoxTree(boxes).order()) triangles_.push_back(triangles[t]);
+  const BoxTree tree(boxes);
+  for (const std::uint32_t t : tree.order()) triangles_.push_back(triangles[t]);
   if (!triangles_.empty()) build(0, std::uint32_t(triangles_.size()));
 }
 
@@ -175,7 +176,8 @@ BoundaryGradient::BoundaryGradient(const std::vector<std::array<Vec3, 2>>& segme
   std::vector<Box3> boxes(segments.size());
   for (std::size_t s = 0; s < segments.size(); ++s)
     for (const Vec3& v : segments[s]) boxes[s].add(v);
-  for (const std::uint32_t s : BoxTree(boxes).order()) segments_.push_back(segments[s]);
+  const BoxTree tree(boxes);
+  for (const std::uint32_t s : tree.order()) segments_.push_back(segments[s]);
   if (!segments_.empty()) build(0, std::uint32_t(segments_.size()));
 }
 
