@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sdk/core/triangle_mesh.h"
+#include "sdk/membership/mesh_topology.h"
+
+namespace mesocell {
+
+/// A closed part of a mesh, and the others around it.
+struct Shell {
+  double volume = 0;                       ///< signed, metres³; summed about the centre of the shell's box
+  Vec3 lowest;                             ///< its vertex of the least x, then y, then z
+  std::uint32_t containers = 0;            ///< other shells that it is inside
+  std::uint32_t container = kNoComponent;  ///< the first of them
+  std::int64_t winding = 0;                ///< the sum of their winding numbers about it
+};
+
+/// Which shells are inside which: shell a is inside shell b if its box is within b's, and the winding number
+/// of b about a's lowest vertex, moved by (ε, ε², ε³), is not zero, exactly. Where the two cross each other
+/// this is as good as any answer. Of shells with the same box only the later can be inside.
+/// - `triangles`: of `vertices`; `shell_of[t]` below `count`, or kNoComponent: not part of a shell
+[[nodiscard]] std::vector<Shell> nest_shells(std::span<const Vec3> vertices,
+                                             std::span<const Triangle> triangles,
+                                             std::span<const std::uint32_t> shell_of, std::uint32_t count);
+
+}  // namespace mesocell
