@@ -43,8 +43,9 @@ bool within(const Box3& a, const Box3& b) {
 
 }  // namespace
 
-std::vector<Shell> nest_shells(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                               std::span<const std::uint32_t> shell_of, std::uint32_t count) {
+std::vector<Shell> measure_shells(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                                  std::span<const std::uint32_t> shell_of, std::uint32_t count,
+                                  bool nesting) {
   std::vector<Shell> shells(count);
   std::vector<Box3> boxes(count), triangle_boxes;
   std::vector<std::uint32_t> members;  // triangles of shells
@@ -68,7 +69,7 @@ std::vector<Shell> nest_shells(std::span<const Vec3> vertices, std::span<const T
     const Vec3 a = vertices[triangles[t][0]], b = vertices[triangles[t][1]], c = vertices[triangles[t][2]];
     shells[shell_of[t]].volume += dot(a - centre, cross(b - centre, c - centre)) / 6;
   }
-  if (count < 2) return shells;
+  if (!nesting || count < 2) return shells;
 
   const BoxTree shell_tree(boxes), triangle_tree(triangle_boxes);
   std::vector<std::pair<std::uint32_t, int>> crossings;

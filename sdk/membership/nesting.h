@@ -18,12 +18,14 @@ struct Shell {
   std::int64_t winding = 0;                ///< the sum of their winding numbers about it
 };
 
-/// Which shells are inside which: shell a is inside shell b if its box is within b's, and the winding number
-/// of b about a's lowest vertex, moved by (ε, ε², ε³), is not zero, exactly. Where the two cross each other
-/// this is as good as any answer. Of shells with the same box only the later can be inside.
+/// Volumes of shells and, if `nesting`, which are inside which: shell a is inside shell b if its box is
+/// within b's, and the winding number of b about a's lowest vertex, moved by (ε, ε², ε³), is not zero,
+/// exactly. Where the two cross each other this is as good as any answer. Of shells with the same box only
+/// the later can be inside.
 /// - `triangles`: of `vertices`; `shell_of[t]` below `count`, or kNoComponent: not part of a shell
-[[nodiscard]] std::vector<Shell> nest_shells(std::span<const Vec3> vertices,
-                                             std::span<const Triangle> triangles,
-                                             std::span<const std::uint32_t> shell_of, std::uint32_t count);
+[[nodiscard]] std::vector<Shell> measure_shells(std::span<const Vec3> vertices,
+                                                std::span<const Triangle> triangles,
+                                                std::span<const std::uint32_t> shell_of, std::uint32_t count,
+                                                bool nesting = true);
 
 }  // namespace mesocell

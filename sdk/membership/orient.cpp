@@ -245,7 +245,7 @@ class PatchOrienter {
     std::vector<Triangle> now(triangles_.begin(), triangles_.end());
     for (std::size_t t = 0; t < now.size(); ++t)
       if (turned_[t]) std::swap(now[t][1], now[t][2]);
-    const std::vector<Shell> shells = nest_shells(vertices_, now, parts.of_triangle, parts.count);
+    const std::vector<Shell> shells = measure_shells(vertices_, now, parts.of_triangle, parts.count);
     const auto outermost = [&](std::uint32_t shell) {
       while (shells[shell].containers > 0) shell = shells[shell].container;
       return shell;
