@@ -53,11 +53,26 @@ bool meets_in_plane(std::size_t axis, Vec3 p, Vec3 q, const std::array<Vec3, 3>&
   return false;
 }
 
-int side(const std::array<Vec3, 3>& t, Vec3 p) { return orientation_3d(t[0], t[1], t[2], p); }
+/// Which side of a triangle's plane a point is on; 0: in it. Planes across an axis, of which grids and walls
+/// are full, need no determinant; which side is +1 may differ there.
+int side(const std::array<Vec3, 3>& t, Vec3 p) {
+  for (std::size_t a = 0; a < 3; ++a)
+    if (t[0][a] == t[1][a] && t[0][a] == t[2][a]) return p[a] > t[0][a] ? 1 : p[a] < t[0][a] ? -1 : 0;
+  return orientation_3d(t[0], t[1], t[2], p);
+}
 
-/// segment_meets_triangle() where the sides of the triangle's plane are known on which p and q are.
+/// Whether the boxes of a segment and a triangle have no point in common.
+bool apart(Vec3 p, Vec3 q, const std::array<Vec3, 3>& t) {
+  for (std::size_t a = 0; a < 3; ++a)
+    if (std::max(p[a], q[a]) < std::min({t[0][a], t[1][a], t[2][a]}) ||
+        std::min(p[a], q[a]) > std::max({t[0][a], t[1][a], t[2][a]}))
+      return true;
+  return false;
+}
+
+/// Whether a closed segment meets a closed triangle, given the sides of the triangle's plane its ends are on.
 bool segment_meets(Vec3 p, int p_side, Vec3 q, int q_side, const std::array<Vec3, 3>& t) {
-  if (p_side * q_side > 0) return false;
+  if (p_side * q_side > 0 || apart(p, q, t)) return false;
   if (p_side == 0 && q_side == 0) return meets_in_plane(projection_axis(t), p, q, t);
   // The line meets the plane in one point, of the segment; it is in the triangle if the line passes all edges
   // on the same side.
@@ -87,10 +102,6 @@ bool collinear(Vec3 a, Vec3 b, Vec3 c) {
   return true;
 }
 
-bool segment_meets_triangle(Vec3 p, Vec3 q, const std::array<Vec3, 3>& triangle) {
-  return segment_meets(p, side(triangle, p), q, side(triangle, q), triangle);
-}
-
 bool triangles_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
   // Corners in the order: shared ones first, at the same places of p and q.
   std::array<Vec3, 3> p = a, q = b;
@@ -108,10 +119,16 @@ bool triangles_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>
     const std::size_t axis = projection_axis(p);
     return orientation_along(axis, p[0], p[1], p[2]) == orientation_along(axis, p[0], p[1], q[2]);
   }
-  if (shared == 1)
+  if (shared == 1) {
     // What is common is convex and holds the vertex. If there is more, following it away from the vertex
     // leads out of a triangle through the edge opposite.
-    return segment_meets_triangle(p[1], p[2], q) || segment_meets_triangle(q[1], q[2], p);
+    if (apart(p[1], p[2], q) && apart(q[1], q[2], p)) return false;
+    const int p1 = side(q, p[1]), p2 = side(q, p[2]);
+    if (p1 * p2 > 0) return false;  // all of p but the vertex is off the plane of q
+    const int q1 = side(p, q[1]), q2 = side(p, q[2]);
+    if (q1 * q2 > 0) return false;
+    return segment_meets(p[1], p1, p[2], p2, q) || segment_meets(q[1], q1, q[2], q2, p);
+  }
   const std::array<int, 3> of_q{side(p, q[0]), side(p, q[1]), side(p, q[2])};
   if (!spans(of_q)) return false;
   const std::array<int, 3> of_p{side(q, p[0]), side(q, p[1]), side(q, p[2])};

@@ -9,10 +9,6 @@ namespace mesocell {
 /// Whether three points are on a line, exactly.
 [[nodiscard]] bool collinear(Vec3 a, Vec3 b, Vec3 c);
 
-/// Whether a closed segment and a closed triangle have a point in common, exactly.
-/// - the triangle's corners are not collinear; p ≠ q
-[[nodiscard]] bool segment_meets_triangle(Vec3 p, Vec3 q, const std::array<Vec3, 3>& triangle);
-
 /// Whether two closed triangles have a point in common beyond the vertices and the edge that they share by
 /// having corners at the same places; exactly, by the signs of determinants. [Guigue, Devillers 2003; Möller
 /// 1997 for the order of the tests] Triangles that share all three corners do not: they are duplicates.
