@@ -41,13 +41,17 @@ bool segments_meet(std::size_t axis, Vec3 p, Vec3 q, Vec3 a, Vec3 b) {
          (ap == 0 && between(axis, a, b, p)) || (aq == 0 && between(axis, a, b, q));
 }
 
-/// In a common plane: whether the segment meets the triangle, seen along an axis that does not lie in it.
-bool meets_in_plane(std::size_t axis, Vec3 p, Vec3 q, const std::array<Vec3, 3>& t) {
+/// In a common plane: whether the point is in the triangle, seen along an axis that does not lie in it.
+bool inside_in_plane(std::size_t axis, Vec3 p, const std::array<Vec3, 3>& t) {
   const int turn = orientation_along(axis, t[0], t[1], t[2]);
-  bool inside = true;
   for (std::size_t k = 0; k < 3; ++k)
-    inside = inside && orientation_along(axis, t[k], t[(k + 1) % 3], p) * turn >= 0;
-  if (inside) return true;
+    if (orientation_along(axis, t[k], t[(k + 1) % 3], p) * turn < 0) return false;
+  return true;
+}
+
+/// Likewise whether the segment meets the triangle.
+bool meets_in_plane(std::size_t axis, Vec3 p, Vec3 q, const std::array<Vec3, 3>& t) {
+  if (inside_in_plane(axis, p, t)) return true;
   for (std::size_t k = 0; k < 3; ++k)
     if (segments_meet(axis, p, q, t[k], t[(k + 1) % 3])) return true;
   return false;
@@ -100,6 +104,10 @@ bool collinear(Vec3 a, Vec3 b, Vec3 c) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (orientation_along(axis, a, b, c) != 0) return false;
   return true;
+}
+
+bool is_on_triangle(Vec3 p, const std::array<Vec3, 3>& triangle) {
+  return side(triangle, p) == 0 && inside_in_plane(projection_axis(triangle), p, triangle);
 }
 
 bool triangles_intersect(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {

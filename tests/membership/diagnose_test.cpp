@@ -164,14 +164,17 @@ TEST_CASE("what is inside what is told from what is inside out") {
   append(ring, make_box({1.9, -0.1, -0.1}, {2.1, 0.1, 0.1}));  // in its tube
   CHECK(diagnose_all(ring).nested_components == 1);
 
-  // The same closed mesh twice, not vertex for vertex: one of them is in the other, not both.
-  TriangleMesh twice = make_box({0, 0, 0}, {1, 1, 1}), other = twice;
-  for (Triangle& t : other.triangles)
-    for (std::uint32_t& v : t) v ^= 1;  // the mirror image, with the other diagonals
-  flip(other);
-  append(twice, other);
-  d = diagnose_all(twice);
-  CHECK(d.self_intersections > 0);
+  // Leaning on the wall from within, on all sides in turn; leaning on it from without; and through it.
+  for (const Vec3 low : {Vec3{0, 4, 4}, {4, 0, 4}, {4, 4, 0}, {8, 4, 4}, {4, 8, 4}, {4, 4, 8}, {8, 8, 8}}) {
+    TriangleMesh leaning = outer;
+    append(leaning, make_box(low, low + Vec3{2, 2, 2}));
+    CHECK(diagnose_all(leaning).nested_components == 1);
+  }
+  TriangleMesh arch = make_torus({0, 0, 0}, 2, 0.5, 20, 10);
+  append(arch, make_box({1.9, -0.1, -0.1}, {2.1, 0.1, 0.4}));
+  CHECK(diagnose_all(arch).nested_components == 1);
+  arch.vertices.back() = {2.1, 2, 0.4};
+  CHECK(diagnose_all(arch).nested_components == 0);
 }
 
 TEST_CASE("every finding has a line for people and an id for machines") {
