@@ -79,6 +79,8 @@ class Nesting {
 
  private:
   static constexpr std::size_t kProbes = 32;
+  /// Shells in shells in shells take time by the square of their number.
+  static constexpr std::uint64_t kMostLooks = std::uint64_t{1} << 24;
 
   struct Container {
     std::uint32_t shell;
@@ -107,13 +109,14 @@ class Nesting {
   }
 
   void find_containers(std::uint32_t shell, std::span<const std::uint32_t> own) {
+    if (looks_ >= kMostLooks) return;
     bool any = false;
     shell_tree_.visit_overlapping(boxes_[shell], [&](std::uint32_t place) {
       any = may_contain(shell_tree_.order()[place], shell);
       return !any;
     });
     if (!any) return;
-    const std::size_t probes = std::min(kProbes, 3 * own.size());
+    const std::size_t probes = looks_ < kMostLooks / 2 ? std::min(kProbes, 3 * own.size()) : 0;
     std::vector<Container> containers = around(shells_[shell].lowest, shell);
     for (std::size_t k = 0; k < probes && !containers.empty(); ++k) {
       const std::size_t corner = k * 3 * own.size() / probes;
@@ -134,12 +137,13 @@ class Nesting {
   }
 
   /// The shells that may contain `shell` and that p is in or on, in their order.
-  [[nodiscard]] std::vector<Container> around(Vec3 p, std::uint32_t shell) const {
+  [[nodiscard]] std::vector<Container> around(Vec3 p, std::uint32_t shell) {
     std::vector<Container> found;
     Box3 ray;
     ray.add(p);
     ray.max.z = std::numeric_limits<double>::infinity();
     triangle_tree_.visit_overlapping(ray, [&](std::uint32_t place) {
+      ++looks_;
       const std::uint32_t k = triangle_tree_.order()[place], t = members_[k];
       if (!may_contain(shell_of_[t], shell)) return true;
       const Triangle& v = triangles_[t];
@@ -174,6 +178,7 @@ class Nesting {
   std::vector<std::uint32_t> members_;  ///< the triangles of shells
   std::vector<Box3> triangle_boxes_;    ///< theirs
   BoxTree shell_tree_, triangle_tree_;
+  std::uint64_t looks_ = 0;  ///< at triangles above probes
 };
 
 }  // namespace

@@ -177,6 +177,16 @@ TEST_CASE("what is inside what is told from what is inside out") {
   CHECK(diagnose_all(arch).nested_components == 0);
 }
 
+TEST_CASE("shells in shells are all found") {
+  TriangleMesh onion;
+  for (int k = 50; k > 0; --k)
+    append(onion, make_box({-1.0 * k, -1.0 * k, -1.0 * k}, {1.0 * k, 1.0 * k, 1.0 * k}));
+  const MeshDiagnosis d = diagnose_all(onion);
+  CHECK(d.closed_components == 50);
+  CHECK(d.nested_components == 49);
+  CHECK(d.cavities == 0);
+}
+
 TEST_CASE("every finding has a line for people and an id for machines") {
   TriangleMesh mesh = make_box({0, 0, 0}, {1, 1, 1});
   mesh.triangles.pop_back();
