@@ -23,9 +23,15 @@ namespace mesocell MESOCELL_API {
   return sum;
 }
 
-/// A bounding volume hierarchy over boxes, for nearest items. Split by the surface area heuristic over bins
-/// [Wald 2007]; at most 4 boxes a leaf. The tree does not depend on the number of threads.
-/// Thread safety: const and reentrant.
+/// Whether two closed boxes have a point in common.
+[[nodiscard]] inline bool overlap(const Box3& a, const Box3& b) {
+  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
+         a.min.z <= b.max.z && b.min.z <= a.max.z;
+}
+
+/// A bounding volume hierarchy over boxes, for nearest and for overlapping items. Split by the surface area
+/// heuristic over bins [Wald 2007]; at most 4 boxes a leaf. The tree does not depend on the number of
+/// threads. Thread safety: const and reentrant.
 class BoxTree {
  public:
   /// Over nothing.
@@ -39,6 +45,11 @@ class BoxTree {
   /// The final limit is returned. `place` counts the items in the tree's order: see order(). No allocation.
   template <class Visit>
   double visit_near(Vec3 q, double limit, Visit&& visit) const;
+
+  /// Calls `visit(place)` for the items of all leaves whose boxes have a point in common with `box`, until it
+  /// returns false. No allocation.
+  template <class Visit>
+  void visit_overlapping(const Box3& box, Visit&& visit) const;
 
   /// For each place the item there. Data laid out in this order is read in runs.
   [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
@@ -86,6 +97,30 @@ double BoxTree::visit_near(Vec3 q, double limit, Visit&& visit) const {
     for (std::uint32_t k = 0; k < leaf.count; ++k) limit = visit(leaf.first + k, limit);
   }
   return limit;
+}
+
+template <class Visit>
+void BoxTree::visit_overlapping(const Box3& box, Visit&& visit) const {
+  std::array<std::uint32_t, kMostLevels> stack;
+  std::size_t size = 0;
+  if (!nodes_.empty() && overlap(nodes_[0].box, box)) stack[size++] = 0;
+  while (size > 0) {
+    const Node* at = &nodes_[stack[--size]];
+    while (at && at->count == 0) {
+      const Node *left = &nodes_[at->first], *right = left + 1;
+      if (!overlap(left->box, box)) left = nullptr;
+      if (overlap(right->box, box)) {
+        if (left)
+          stack[size++] = at->first + 1;
+        else
+          left = right;
+      }
+      at = left;
+    }
+    if (!at) continue;
+    for (std::uint32_t k = 0; k < at->count; ++k)
+      if (!visit(at->first + k)) return;
+  }
 }
 
 }  // namespace mesocell

@@ -83,7 +83,52 @@ class FarFromPlane {
   double size_;
 };
 
+Point exact(const Vec3& v) { return {mpq_class(v.x), mpq_class(v.y), mpq_class(v.z)}; }
+
+Point minus(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+mpq_class dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Point cross(const Point& a, const Point& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// The part of a convex polygon where normal · (x - origin) ≥ 0.
+std::vector<Point> clip(const std::vector<Point>& polygon, const Point& normal, const Point& origin) {
+  std::vector<Point> kept;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Point &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
+    const mpq_class a = dot(normal, minus(p, origin)), b = dot(normal, minus(q, origin));
+    if (a >= 0) kept.push_back(p);
+    if (a * b >= 0) continue;
+    Point crossing;
+    for (std::size_t c = 0; c < 3; ++c) crossing[c] = p[c] + (q[c] - p[c]) * (a / (a - b));
+    kept.push_back(crossing);
+  }
+  return kept;
+}
+
 }  // namespace
+
+bool triangles_intersect_by_definition(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+  std::vector<Vec3> shared;
+  for (const Vec3& v : a)
+    if (std::find(b.begin(), b.end(), v) != b.end()) shared.push_back(v);
+  if (shared.size() == 3) return false;
+  const std::array<Point, 3> t{exact(b[0]), exact(b[1]), exact(b[2])};
+  const Point normal = cross(minus(t[1], t[0]), minus(t[2], t[0]));
+  const Point opposite{-normal[0], -normal[1], -normal[2]};
+  std::vector<Point> common{exact(a[0]), exact(a[1]), exact(a[2])};
+  common = clip(clip(common, normal, t[0]), opposite, t[0]);
+  for (std::size_t k = 0; k < 3; ++k) common = clip(common, cross(normal, minus(t[(k + 1) % 3], t[k])), t[k]);
+  return std::any_of(common.begin(), common.end(), [&](const Point& p) {
+    if (shared.empty()) return true;
+    const Point v = exact(shared[0]);
+    if (shared.size() == 1) return p != v;
+    const Point off = cross(minus(exact(shared[1]), v), minus(p, v));
+    return off[0] != 0 || off[1] != 0 || off[2] != 0;
+  });
+}
 
 std::vector<bool> touched_by_definition(const TriangleMesh& mesh, const Index3& voxels) {
   std::vector<bool> touched(std::size_t{voxels[0]} * voxels[1] * voxels[2]);

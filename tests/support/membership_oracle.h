@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -16,6 +17,12 @@ namespace mesocell::test {
 /// Whether each voxel's closed box has a point in common with a closed triangle of the mesh (voxel units): by
 /// exact clipping of the triangle to the box, in rational arithmetic.
 [[nodiscard]] std::vector<bool> touched_by_definition(const TriangleMesh& mesh, const Index3& voxels);
+
+/// Whether two triangles have a point in common that is not on the vertex or the edge that they share by
+/// corners at the same places: by exact clipping of the one to the other, in rational arithmetic. Neither may
+/// be degenerate; false if they share three corners.
+[[nodiscard]] bool triangles_intersect_by_definition(const std::array<Vec3, 3>& a,
+                                                     const std::array<Vec3, 3>& b);
 
 /// The tag of every instance, home tile x fastest, then cell: every voxel of every instance is looked at.
 [[nodiscard]] std::vector<Tag> tags_by_definition(const std::vector<bool>& inside, const Index3& tiles,
