@@ -4,6 +4,7 @@
 #include <cmath>
 #include <new>
 
+#include "converters/image/exr_check.h"
 #include "converters/image/extension.h"
 #include "converters/image/image_module_access.h"
 #include "converters/image/input_file.h"
@@ -15,6 +16,9 @@ struct Format {
   std::string_view extension;
   const char* name;  ///< the image library's
 };
+
+/// Of pixels; the library takes memory for up to 256 rows before a picture can be refused.
+constexpr std::uint32_t kMaxExrSide = 1u << 16;
 
 constexpr std::array<Format, 3> kFormats = {{{".png", "png"}, {".exr", "openexr"}, {".hdr", "hdr"}}};
 
@@ -71,7 +75,10 @@ Result<Image> read_image_file(const std::string& path, const ImageReadLimits& li
         ErrorCode::kUsage,
         std::string("its extension is not one of a picture that can be read; use ") + kReadableImages};
   // The library's words for a file that is not there are not ours, and it would wait for a pipe.
-  if (const Result<InputFile> file = InputFile::open(path, limits.max_file_bytes); !file) return file.error();
+  const Result<InputFile> file = InputFile::open(path, limits.max_file_bytes);
+  if (!file) return file.error();
+  if (format->extension == ".exr")
+    if (Status status = check_exr(*file, kMaxExrSide); !status) return status.error();
   const Result<ImageModule>& module = image_module();
   if (!module) return Error{ErrorCode::kUnreadable, module.error().message};
   Room room{&limits, {}, "there is not enough memory to read the picture; use a smaller one"};

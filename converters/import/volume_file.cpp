@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "converters/image/exr_check.h"
 #include "converters/image/extension.h"
 #include "converters/image/input_file.h"
 #include "converters/import/slice_stack.h"
@@ -91,6 +92,8 @@ Result<Picture> examine(const std::string& path, const VolumeReadOptions& option
     picture.pages = layout->pages;
     picture.stored_bits = layout->bits;
   }
+  if (picture.format == "openexr"sv)
+    if (Status status = check_exr(*file, kMaxSide); !status) return status.error();
   // Bit depth and color type of the header; 0 is gray [PNG 11.2.1].
   if (picture.format == "png"sv && text.size() > 25 && text[25] == 0)
     picture.stored_bits = std::uint8_t(text[24]);

@@ -47,12 +47,12 @@ inline constexpr const char* kVolumeAxes =
 ///   black is empty. Alpha is ignored.
 /// - .raw: 8, 16 or 32 bits a label, as the file's size tells; its size must fit exactly.
 /// - Axes: kVolumeAxes.
-/// Untrusted input: sizes are checked before memory is taken; TIFF directories are checked in full before the
-/// image library sees them; the decoders are those of the image library. A page takes at most 64 MB, the
-/// volume 4 bytes a voxel. Errors, all with a remedy: kUsage (.raw without a resolution), kUnreadable
-/// (missing, no plain file, no image module), kInvalidInput (not one of the above, damaged, too few slices,
-/// sizes that differ, values that are not labels, lossy compression), kLimit, kCancelled (found between
-/// slices).
+/// Untrusted input: sizes are checked before memory is taken; directories of TIFF and headers of EXR files
+/// are checked in full before the image library sees them; the decoders are those of the image library. A
+/// page takes at most 64 MB, the volume 4 bytes a voxel. Errors, all with a remedy: kUsage (.raw without a
+/// resolution), kUnreadable (missing, no plain file, no image module), kInvalidInput (not one of the above,
+/// damaged, too few slices, sizes that differ, values that are not labels, lossy compression), kLimit,
+/// kCancelled (found between slices).
 [[nodiscard]] Result<LabelVolume> read_label_volume(const std::string& path,
                                                     const VolumeReadOptions& options = {},
                                                     const Progress* progress = nullptr);

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <filesystem>
 
+#include "converters/image/image_file.h"
+#include "converters/image/image_reader.h"
 #include "converters/import/volume_file.h"
 #include "sdk/core/rng.h"
 #include "tests/import/mesh_bytes.h"
@@ -163,6 +165,52 @@ TEST_CASE("PNG and Radiance slices with any byte changed never crash or hang") {
     }
   CHECK(read > 20);
   CHECK(refused > 50);
+}
+
+TEST_CASE("an EXR is refused by its header before the library takes memory for it") {
+  const TempFolder folder;
+  const std::vector<std::string> names = {"Y"};
+  const std::vector<float> pixels(20, 3.0f);
+  const std::string path = folder.file("a.exr");
+  REQUIRE(write_image_file(path, {5, 4, names, pixels}).ok());
+  const std::string bytes = read_bytes(path);
+  REQUIRE(read_color_volume(path).ok());
+  const std::size_t window = bytes.find("dataWindow") + std::string("dataWindow\0box2i\0size", 21).size();
+  const std::size_t attribute =
+      bytes.find("screenWindowWidth") + std::string("screenWindowWidth\0float\0", 24).size();
+  const auto codes = [&](std::size_t at, const std::string& four) {
+    std::string damaged = bytes;
+    damaged.replace(at, 4, four);
+    rewrite(folder, "a.exr", damaged);
+    const Result<ColorMap> map = read_color_volume(path);
+    const Result<Image> image = read_image_file(path);
+    REQUIRE(!map.ok());
+    REQUIRE(!image.ok());
+    CHECK(map.error().code == image.error().code);
+    return map.error().code;
+  };
+  // The right and lower end of the window, then one beyond its other end, then a coordinate far away.
+  CHECK(codes(window + 8, std::string("\xff\xff\xff\x3f", 4)) == ErrorCode::kLimit);
+  CHECK(codes(window + 12, std::string("\xff\xff\xff\x3f", 4)) == ErrorCode::kLimit);
+  CHECK(codes(window + 12, std::string("\xff\xff\xff\xff", 4)) == ErrorCode::kInvalidInput);
+  CHECK(codes(window, std::string("\xff\xff\xff\x7f", 4)) == ErrorCode::kInvalidInput);
+  // An attribute of 2 GB.
+  CHECK(codes(attribute, std::string("\0\0\0\x7f", 4)) == ErrorCode::kInvalidInput);
+  for (std::size_t n = 0; n < bytes.size(); ++n) {
+    const Result<ColorMap> map = read_color_volume(rewrite(folder, "a.exr", bytes.substr(0, n)));
+    INFO("cut to " << n << " of " << bytes.size());
+    REQUIRE(!map.ok());
+    CHECK(map.error().code == ErrorCode::kInvalidInput);
+  }
+  Rng rng(13);
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    std::string damaged = bytes;
+    damaged[at] = char(std::uint8_t(damaged[at]) ^ (1 + rng.below(255)));
+    const Result<ColorMap> map = read_color_volume(rewrite(folder, "a.exr", damaged));
+    INFO("byte " << at);
+    CHECK((map.ok() ? map->voxels.size() == 20 || map->resolution != Index3{5, 4, 1}
+                    : !map.error().message.empty()));
+  }
 }
 
 TEST_CASE("damaged strips are noticed") {
