@@ -32,7 +32,7 @@ void add_no_clobber(CLI::App& app, bool& no_clobber) {
 }
 
 void add_convert(CLI::App& app, ConvertCommand& command) {
-  CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a closed mesh, or from a tile alone");
+  CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a mesh, or from a tile alone");
   sub->add_option("input", command.input,
                   std::string("Mesh: ") + kMeshExtensions +
                       "; or tile:RECIPE, to keep and show a tile with each of its cells once")
@@ -54,13 +54,19 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
       ->type_name("CHOICE");
   sub->add_option("--rule", command.rule, "Rule of membership: " + rule_names() + " [centre]")
       ->type_name("RULE");
+  sub->add_option("--repair", command.repair,
+                  "How far a mesh that is not closed is repaired: strict, orient, winding or auto [auto]")
+      ->type_name("CHOICE");
   sub->add_option("--color", command.color, "Recipe of the color; white if not given")->type_name("RECIPE");
   sub->add_flag("--normals", command.normals, "Store smooth normals at the borders of the cells");
   add_no_clobber(*sub, command.no_clobber);
   add_common(*sub, command.common);
   sub->footer(
       "Rules: by centre a cell is inside if all its voxels' centres are; by conservative the surface "
-      "must not even touch one of its voxels.\n\nRecipes of tiles:\n" +
+      "must not even touch one of its voxels.\n\n"
+      "Repair: strict refuses a mesh that is not closed; orient turns triangles and drops duplicates, and refuses what "
+      "that does not close; winding decides by the generalized winding number what is inside of what stays open; auto "
+      "takes the first of these that suffices.\n\nRecipes of tiles:\n" +
       tile_sources_help() + "\nRecipes of colors:\n" + color_sources_help() + "\nVolumes: " + kVolumeAxes + "\n" +
       "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
       "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n"

@@ -51,12 +51,20 @@ struct Outcome {
   Seconds seconds;
 };
 
+const char* rung_name(RepairRung rung) {
+  return rung == RepairRung::kNone ? "none" : rung == RepairRung::kOrient ? "orient" : "winding";
+}
+
 /// Everything on the surface of the object; the metadata says what it was made of.
 std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertPlan& plan, SourcedTile& tile,
                                    const TriangleMesh& surface, const Progress& progress,
                                    CellObject& object) {
   object.metadata.clear();
   if (!tile.color_recipe.empty()) object.metadata.emplace_back("color", tile.color_recipe);
+  if (report.repair.rung != RepairRung::kNone)
+    object.metadata.emplace_back("repair", std::string(rung_name(report.repair.rung)) + ", " +
+                                               std::to_string(report.repair.unsure_voxels) +
+                                               " voxels unsure");
   object.metadata.emplace_back("tile", tile.recipe);
   if (Status status = apply_colors(std::move(tile.colors), surface, object, plan.author.threads, &progress);
       !status)
@@ -98,7 +106,8 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
   if (!object) return Failure{object.error(), command.input};
   outcome.seconds.voxelize = outcome.report.voxelize_seconds;
   watch.lap();
-  if (auto failure = add_surface(command, plan, tile, shape->surface(), progress, *object)) return failure;
+  if (auto failure = add_surface(command, plan, tile, shape->surface(), outcome.report, progress, *object))
+    return failure;
   outcome.seconds.surface = outcome.report.surface_seconds + color_seconds + watch.lap();
   outcome.report.warnings.insert(outcome.report.warnings.begin(), warnings.begin(), warnings.end());
 
@@ -129,6 +138,12 @@ nlohmann::ordered_json outcome_json(const Outcome& outcome) {
   json["warnings"] = nlohmann::ordered_json::array();
   for (const Warning& warning : outcome.report.warnings)
     json["warnings"].push_back({{"id", warning.id}, {"text", warning.text}});
+  const RepairReport& repair = outcome.report.repair;
+  json["repair"]["rung"] = rung_name(repair.rung);
+  json["repair"]["turned_triangles"] = repair.turned_triangles;
+  json["repair"]["dropped_triangles"] = repair.dropped_triangles;
+  json["repair"]["boundary_edges"] = repair.boundary_edges;
+  json["repair"]["unsure_voxels"] = repair.unsure_voxels;
   json["volume"]["mesh"] = outcome.report.mesh_volume;
   json["volume"]["inside"] = outcome.report.inside_volume;
   return json;

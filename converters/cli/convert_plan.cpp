@@ -1,7 +1,9 @@
 #include "converters/cli/convert_plan.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "converters/cli/cell_object_asset.h"
@@ -11,6 +13,16 @@
 
 namespace mesocell {
 namespace {
+
+struct RepairRow {
+  std::string_view name;
+  Repair repair;
+};
+/// The first rung that suffices is taken always, so `auto` is the last one.
+constexpr std::array<RepairRow, 4> kRepairs = {{{"strict", Repair::kStrict},
+                                                {"orient", Repair::kOrient},
+                                                {"winding", Repair::kWinding},
+                                                {"auto", Repair::kWinding}}};
 
 std::optional<Failure> check_files(const ConvertCommand& command, const ConvertPlan& plan) {
   if (has_extension(command.input, ".meso") && !tile_of_input(command.input))
@@ -46,6 +58,12 @@ std::optional<Failure> parse_grid(const ConvertCommand& command, AuthorOptions& 
   if (!rule) return usage("--rule", "unknown rule '" + rule_name + "'; there are: " + rule_names());
   author.rule = *rule;
   author.threads = command.common.threads;
+  const std::string repair = command.repair.value_or("auto");
+  const auto rung =
+      std::find_if(kRepairs.begin(), kRepairs.end(), [&](const RepairRow& r) { return r.name == repair; });
+  if (rung == kRepairs.end())
+    return usage("--repair", "unknown choice '" + repair + "'; there are: strict, orient, winding, auto");
+  author.repair = rung->repair;
   const std::int64_t tiles = command.tiles.value_or(kDefaultTiles);
   if (tiles <= 0) return usage("--tiles", "there must be at least one tile; give a number from 1");
   if (command.tile_size && !(*command.tile_size > 0 && std::isfinite(*command.tile_size)))
@@ -79,6 +97,7 @@ void find_unused(const ConvertCommand& command, ConvertPlan& plan) {
     unused(!command.box.empty(), "--box", why);
     unused(command.tile.has_value(), "--tile", why);
     unused(command.rule.has_value(), "--rule", why);
+    unused(command.repair.has_value(), "--repair", why);
   }
   unused(command.percolating && !reads_labels(plan.tile), "--percolating",
          "on a tile that is not made of labels");

@@ -8,6 +8,7 @@
 
 #include "sdk/membership/diagnose.h"
 #include "sdk/membership/membership.h"
+#include "sdk/membership/orient.h"
 
 namespace mesocell {
 namespace {
@@ -29,6 +30,39 @@ std::string number(double x) {
   return text;
 }
 
+/// Brings a mesh as far as the options allow: to where it is closed, or at least of one mind about what is
+/// outside.
+Status repair_mesh(const TriangleMesh& mesh, Repair repair, OrientedMesh& repaired, AuthorReport& report) {
+  const MeshDiagnosis diagnosis = diagnose(mesh);
+  if (diagnosis.closed()) {
+    if (diagnosis.degenerate_triangles > 0)
+      report.warnings.push_back(
+          {"degenerate-triangles", std::to_string(diagnosis.degenerate_triangles) +
+                                       " triangles with a repeated vertex were left out"});
+    return {};
+  }
+  const auto refused = [&](const char* remedy) {
+    return Error{ErrorCode::kInvalidInput, describe(diagnosis) + remedy, "mesh-not-closed"};
+  };
+  if (repair == Repair::kStrict) return refused("; close it in a mesh editor, or let it be repaired");
+  repaired = orient(mesh);
+  if (repaired.mesh.triangles.empty())
+    return Error{ErrorCode::kInvalidInput,
+                 "all of its triangles enclose nothing; check how the file was made", "mesh-flat"};
+  if (!repaired.closed && repair == Repair::kOrient)
+    return refused(
+        "; turning triangles does not close it: close it in a mesh editor, or let its winding number decide");
+  report.repair.rung = repaired.closed ? RepairRung::kOrient : RepairRung::kWinding;
+  report.repair.turned_triangles = repaired.turned;
+  report.repair.dropped_triangles = mesh.triangles.size() - repaired.mesh.triangles.size();
+  if (repaired.turned + report.repair.dropped_triangles > 0)
+    report.warnings.push_back({"mesh-oriented", std::to_string(repaired.turned) +
+                                                    " triangles were turned and " +
+                                                    std::to_string(report.repair.dropped_triangles) +
+                                                    " left out, so that they agree on what is outside"});
+  return {};
+}
+
 }  // namespace
 
 Result<GridLayout> lay_grid(const Box3& mesh_box, const Index3& resolution, const GridOptions& options) {
@@ -43,7 +77,10 @@ Result<GridLayout> lay_grid(const Box3& mesh_box, const Index3& resolution, cons
   for (std::size_t a = 1; a < 3; ++a)
     if (extent[a] > extent[longest]) longest = a;
   const double side = extent[longest];
-  if (!(side > 0)) return invalid("all vertices lie at one point, so there is no size to divide into tiles; check how the file was made");
+  if (!(side > 0))
+    return invalid(
+        "all vertices lie at one point, so there is no size to divide into tiles; check how the file was "
+        "made");
   if (!std::isfinite(side) || !is_finite(box.min) || !is_finite(box.max))
     return invalid("its coordinates are too large for double precision; scale it down");
 
@@ -86,27 +123,23 @@ Result<GridLayout> lay_grid(const Box3& mesh_box, const Index3& resolution, cons
   return grid;
 }
 
-Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile, const AuthorOptions& options,
+Result<CellObject> author_cell_object(const TriangleMesh& given, TileMap tile, const AuthorOptions& options,
                                       AuthorReport* report, const Progress* progress) {
   AuthorReport unused;
   AuthorReport& out = report ? *report : unused;
   out = {};
   const Clock::time_point start = Clock::now();
-  const MeshDiagnosis diagnosis = diagnose(mesh);
-  if (!diagnosis.closed())
-    return Error{ErrorCode::kInvalidInput,
-                 describe(diagnosis) + "; close it in a mesh editor, this version does not repair",
-                 "mesh-not-closed"};
-  if (diagnosis.degenerate_triangles > 0)
-    out.warnings.push_back({"degenerate-triangles", std::to_string(diagnosis.degenerate_triangles) +
-                                                        " triangles with a repeated vertex were left out"});
+  OrientedMesh repaired;
+  if (Status status = repair_mesh(given, options.repair, repaired, out); !status) return status.error();
+  const TriangleMesh& mesh = out.repair.rung == RepairRung::kNone ? given : repaired.mesh;
 
   const Box3 box = bounding_box(mesh);
   Result<GridLayout> grid = lay_grid(box, tile.resolution, options.grid);
   if (!grid) return grid.error();
   const Vec3 extent = box.extent();
   if (!(extent.x > 0 && extent.y > 0 && extent.z > 0))
-    return Error{ErrorCode::kInvalidInput, "the mesh is flat and encloses no volume; give it thickness in a mesh editor", "mesh-flat"};
+    return Error{ErrorCode::kInvalidInput,
+                 "the mesh is flat and encloses no volume; give it thickness in a mesh editor", "mesh-flat"};
 
   TriangleMesh voxel_mesh;
   voxel_mesh.triangles = mesh.triangles;
@@ -121,17 +154,31 @@ Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile, co
           "the mesh reaches more than 2^40 voxels beyond the grid; use a larger box or larger tiles"};
 
   MembershipReport membership_report;
-  Result<MembershipMap> membership = compute_membership(
-      voxel_mesh, grid->tiles, tile, {.rule = options.rule, .threads = options.threads}, &membership_report, progress);
+  Result<MembershipMap> membership =
+      compute_membership(voxel_mesh, grid->tiles, tile, {.rule = options.rule, .threads = options.threads},
+                         &membership_report, progress);
   if (!membership) return membership.error();
   out.voxelize_seconds = seconds_since(start);
+  if (membership_report.boundary_edges > 0 && membership_report.inside_voxels == 0)
+    return Error{ErrorCode::kInvalidInput,
+                 "it is open and encloses nothing that its winding number would call inside; close it or give it "
+                 "thickness in a mesh editor",
+                 "mesh-bounds-nothing"};
 
   CellObject object;
   object.grid = *grid;
   object.tile = std::move(tile);
   object.membership = std::move(*membership);
-  const double volume = signed_volume(mesh);
+  out.repair.boundary_edges = membership_report.boundary_edges;
+  out.repair.unsure_voxels = membership_report.unsure_voxels;
+  const bool closed = out.repair.boundary_edges == 0;
+  const double volume = closed ? signed_volume(mesh) : 0;
   out.mesh_volume = std::abs(volume);
+  if (!closed)
+    out.warnings.push_back(
+        {"mesh-open", "the mesh is open along " + std::to_string(out.repair.boundary_edges) +
+                          " edges; what is inside was decided by its winding number, of " +
+                          std::to_string(out.repair.unsure_voxels) + " voxels without certainty"});
   out.inside_volume = inside_volume(object);
   if (volume < 0)
     out.warnings.push_back({"mesh-inside-out", "the mesh is oriented inward; it was taken as a solid"});

@@ -89,7 +89,7 @@ TEST_CASE("a mesh that encloses nothing or is open ends with 3") {
   check_refused(folder, folder.write("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n"), 3);
   TriangleMesh open = make_sphere({0, 0, 0}, 1, 8);
   open.triangles.pop_back();
-  check_refused(folder, folder.write("open.off", off(open)), 3);
+  check_refused(folder, folder.write("open.off", off(open)), 3, {"--repair", "strict"});
   // A plane with both its sides is closed and still has no inside.
   check_refused(folder, folder.write("leaf.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1\n"), 3);
 }
@@ -158,7 +158,7 @@ TEST_CASE("a failure leaves the old output whole") {
   const std::string old = folder.write("out.meso", "the old file");
   TriangleMesh open = make_sphere({0, 0, 0}, 1, 8);
   open.triangles.pop_back();
-  CHECK(run_command(convert(folder.write("open.off", off(open)), old)).exit == 3);
+  CHECK(run_command(convert(folder.write("open.off", off(open)), old, {"--repair", "strict"})).exit == 3);
   CHECK(read_bytes(old) == "the old file");
   CHECK(run_command(convert(folder.write("box.off", off(scaled_box(1))), old, {"--no-clobber"})).exit == 4);
   CHECK(read_bytes(old) == "the old file");

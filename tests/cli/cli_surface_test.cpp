@@ -167,3 +167,30 @@ TEST_CASE("making the surface is measured, and does not depend on threads") {
   CHECK(run.json()["normals"] > 100);
   CHECK(read_bytes(one.folder.file("o.meso")) == read_bytes(one.asset));
 }
+
+TEST_CASE("a mesh that is not closed is repaired, and what was done is told and kept") {
+  const TempFolder folder;
+  TriangleMesh mesh = make_sphere({0, 0, 0}, 1, 16);
+  std::swap(mesh.triangles[5][0], mesh.triangles[5][1]);
+  const auto convert = [&](const std::string& input, const std::string& repair) {
+    return run_command({"convert", input, folder.file("o.meso"), "--tiles", "6", "--tile",
+                        "voronoi:resolution=8", "--json", "--repair", repair});
+  };
+  const std::string turned = folder.write("turned.off", mesh_bytes(mesh, "mesh.off"));
+  CHECK(convert(turned, "strict").exit == 3);
+  json result = convert(turned, "auto").json();
+  CHECK(result["repair"]["rung"] == "orient");
+  CHECK(result["repair"]["turned_triangles"] == 1);
+  CHECK(result["warnings"][0]["id"] == "mesh-oriented");
+  mesh.triangles.erase(mesh.triangles.begin() + 40, mesh.triangles.begin() + 44);
+  const std::string open = folder.write("open.off", mesh_bytes(mesh, "mesh.off"));
+  CHECK(convert(open, "orient").exit == 3);
+  for (const char* repair : {"winding", "auto"}) {
+    result = convert(open, repair).json();
+    CHECK(result["repair"]["rung"] == "winding");
+    CHECK(result["repair"]["boundary_edges"] > 0);
+    CHECK(result["metadata"]["repair"].get<std::string>().starts_with("winding, "));
+    CHECK(result["warnings"].back()["id"] == "mesh-open");
+  }
+  CHECK(convert(open, "perhaps").exit == 2);
+}

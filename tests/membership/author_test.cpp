@@ -86,9 +86,11 @@ TEST_CASE("the inside volume approaches the mesh's from below") {
 TEST_CASE("a mesh that bounds nothing is refused with its diagnosis") {
   const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=16"));
   const auto error = [&](const TriangleMesh& mesh) {
-    const Result<CellObject> object = author_cell_object(mesh, tile, {});
+    const Result<CellObject> object = author_cell_object(mesh, tile, {.repair = Repair::kStrict});
     REQUIRE_FALSE(object.ok());
     CHECK(object.error().code == ErrorCode::kInvalidInput);
+    // What no repair makes a solid of is refused by all of them.
+    CHECK_FALSE(author_cell_object(mesh, tile, {.repair = Repair::kOrient}).ok());
     return object.error().message;
   };
   TriangleMesh open = make_box({0, 0, 0}, {1, 1, 1});
@@ -112,4 +114,46 @@ TEST_CASE("what is odd but can be done is done with a warning") {
   REQUIRE(author_cell_object(make_sphere({0, 0, 0}, 1, 8), tile, {.grid = {.tiles = 1}}, &report).ok());
   REQUIRE(report.warnings.size() == 1);
   CHECK(report.warnings[0].id == "no-inside-cells");
+}
+
+TEST_CASE("a mesh is repaired as far as it needs and the options allow, and the report says how") {
+  const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=8"));
+  const TriangleMesh sound = make_sphere({0, 0, 0}, 1, 24);
+  const auto author = [&](const TriangleMesh& mesh, Repair repair, AuthorReport& report) {
+    return author_cell_object(mesh, tile, {.grid = {.tiles = 8}, .repair = repair}, &report);
+  };
+  AuthorReport report;
+  const Result<CellObject> whole = author(sound, Repair::kWinding, report);
+  REQUIRE(whole.ok());
+  CHECK(report.repair.rung == RepairRung::kNone);
+  CHECK(report.warnings.empty());
+
+  TriangleMesh turned = sound;
+  for (std::size_t t = 0; t < turned.triangles.size(); t += 7)
+    std::swap(turned.triangles[t][0], turned.triangles[t][1]);
+  turned.triangles.push_back(turned.triangles[1]);
+  CHECK(author(turned, Repair::kStrict, report).error().id == "mesh-not-closed");
+  for (const Repair repair : {Repair::kOrient, Repair::kWinding}) {
+    const Result<CellObject> object = author(turned, repair, report);
+    REQUIRE(object.ok());
+    CHECK(report.repair.rung == RepairRung::kOrient);
+    CHECK(report.repair.turned_triangles == (sound.triangles.size() + 6) / 7);
+    CHECK(report.repair.dropped_triangles == 1);
+    CHECK(object->membership == whole->membership);
+  }
+
+  TriangleMesh open = turned;
+  open.triangles.erase(open.triangles.begin() + 200, open.triangles.begin() + 204);
+  CHECK(author(open, Repair::kOrient, report).error().id == "mesh-not-closed");
+  const Result<CellObject> object = author(open, Repair::kWinding, report);
+  REQUIRE(object.ok());
+  CHECK(report.repair.rung == RepairRung::kWinding);
+  CHECK(report.repair.boundary_edges > 0);
+  CHECK(report.repair.unsure_voxels > 0);
+  CHECK(report.mesh_volume == 0);
+  CHECK(report.inside_volume == Approx(inside_volume(*whole)).epsilon(0.01));
+
+  // A sheet, bent so that it has a box: its winding number is below one half everywhere.
+  const TriangleMesh sheet{{{0, 0, 0}, {1, 0, 0.2}, {1, 1, 0}, {0, 1, 0.2}}, {{0, 1, 2}, {0, 2, 3}}};
+  CHECK(author(sheet, Repair::kWinding, report).error().id == "mesh-bounds-nothing");
 }
