@@ -71,12 +71,12 @@ LabelVolume random_labels(const Index3& n, std::uint32_t points, Rng& rng) {
 /// Balls that stick out of the tile, in voxels of it, one alone overlapping its own copies; and a rod through
 /// several tiles.
 std::vector<TriangleMesh> random_solids(const Index3& n, std::uint32_t count, Rng& rng) {
-  std::vector<TriangleMesh> solids;
+  const Vec3 tip{3.2 * n[0], 2.1 * n[1], 2.2 * n[2]};
+  std::vector<TriangleMesh> solids{make_tetrahedron({1, 1, 1}, {5, 1, 1}, {1, 5, 1}, tip)};
   const double radius = 0.55 * std::cbrt(double(n[0]) * n[1] * n[2] / count);
   for (std::uint32_t k = 0; k < count; ++k)
     solids.push_back(
         make_sphere({rng.uniform(0, n[0]), rng.uniform(0, n[1]), rng.uniform(0, n[2])}, radius, 6));
-  solids.push_back(make_tetrahedron({1, 1, 1}, {3, 1, 1}, {1, 3, 1}, {2.6 * n[0], 2.1 * n[1], 2.2 * n[2]}));
   return solids;
 }
 
