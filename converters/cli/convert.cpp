@@ -57,8 +57,8 @@ const char* rung_name(RepairRung rung) {
 
 /// Everything on the surface of the object; the metadata says what it was made of.
 std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertPlan& plan, SourcedTile& tile,
-                                   const TriangleMesh& surface, const Progress& progress,
-                                   CellObject& object) {
+                                   const TriangleMesh& surface, const AuthorReport& report,
+                                   const Progress& progress, CellObject& object) {
   object.metadata.clear();
   if (!tile.color_recipe.empty()) object.metadata.emplace_back("color", tile.color_recipe);
   if (report.repair.rung != RepairRung::kNone)
