@@ -169,7 +169,7 @@ TEST_CASE("distances fall as tiles get smaller, in both directions and by both r
     REQUIRE(mesh.ok());
     meshes.emplace_back("rocker arm", std::move(*mesh));
   }
-  const Result<TileMap> tile = make_tile(*parse_recipe("voronoi:cells=16,resolution=8,seed=1"));
+  const Result<TileMap> tile = make_tile(*parse_recipe("voronoi:cells=12,resolution=6,seed=1"));
   REQUIRE(tile.ok());
   for (const auto& [name, mesh] : meshes)
     for (const MembershipRule rule : {MembershipRule::kCentre, MembershipRule::kConservative}) {
