@@ -8,6 +8,7 @@
 #include "sdk/tiles/tile_spec.h"
 #include "tests/support/catch.h"
 #include "tests/support/data.h"
+#include "tests/support/objects.h"
 #include "tests/support/shapes.h"
 
 using namespace mesocell;
@@ -15,26 +16,8 @@ using namespace mesocell::test;
 
 namespace {
 
-/// A grid of tiles of 4³ voxels, one metre each, every tile one cell; `inside` tells which are INSIDE.
-template <class Inside>
-CellObject blocks(const Index3& tiles, Inside&& inside) {
-  CellObject o;
-  o.tile.resolution = {4, 4, 4};
-  o.tile.cell_count = 1;
-  o.tile.pieces = {{1, {}}};
-  o.tile.voxel_ids.assign(64, 1);
-  o.grid = {{0, 0, 0}, 1, tiles};
-  o.membership.tiles = tiles;
-  o.membership.cell_count = 1;
-  for (std::uint32_t z = 0; z < tiles[2]; ++z)
-    for (std::uint32_t y = 0; y < tiles[1]; ++y)
-      for (std::uint32_t x = 0; x < tiles[0]; ++x)
-        o.membership.entries.push_back(std::uint32_t(inside(x, y, z) ? Tag::kInside : Tag::kOutside));
-  return o;
-}
-
 CellObject one_block() {
-  return blocks({3, 3, 3}, [](auto x, auto y, auto z) { return x == 1 && y == 1 && z == 1; });
+  return make_blocks({3, 3, 3}, 4, [](auto x, auto y, auto z) { return x == 1 && y == 1 && z == 1; });
 }
 
 SurfaceDistance measure(const CellObject& object, const TriangleMesh& mesh,
@@ -79,7 +62,7 @@ TEST_CASE("a cube in a cube has the distances that are found by hand") {
 
 TEST_CASE("lines find faces by their area, and each place of a face alike") {
   // The mesh is a plane far above a slab, so a distance tells the height of its sample.
-  const CellObject slab = blocks({5, 1, 5}, [](auto...) { return true; });
+  const CellObject slab = make_blocks({5, 1, 5}, 4, [](auto...) { return true; });
   const double far = 1000, size = 1e5;
   TriangleMesh plane{{{-size, far, -size}, {size, far, -size}, {0, far, size}}, {{0, 1, 2}}};
   const SurfaceDistance d = measure(slab, plane, {.samples = 200000});
@@ -91,7 +74,7 @@ TEST_CASE("lines find faces by their area, and each place of a face alike") {
 
 TEST_CASE("walls that cannot be seen do not count, and what is inside is at no distance") {
   const auto not_centre = [](auto x, auto y, auto z) { return !(x == 2 && y == 2 && z == 2); };
-  const CellObject hollow = blocks({5, 5, 5}, not_centre);
+  const CellObject hollow = make_blocks({5, 5, 5}, 4, not_centre);
   const SurfaceDistance outside = measure(hollow, make_box({0, 0, 0}, {20, 20, 20}), {.samples = 5000});
   CHECK(outside.asset_to_mesh.max < 1e-12);
   CHECK(outside.mesh_to_asset.max == 0);
@@ -149,11 +132,12 @@ TEST_CASE("what cannot be measured is refused with its reason") {
     CHECK(error(one_block(), bad).code == ErrorCode::kInvalidInput);
   CHECK(has(error(one_block(), {}), "no triangles"));
   CHECK(has(error(one_block(), make_box({0, 0, 0}, {1e30, 1, 1})), "beyond"));
-  const Error empty = error(blocks({2, 2, 2}, [](auto...) { return false; }), mesh);
+  const Error empty = error(make_blocks({2, 2, 2}, 4, [](auto...) { return false; }), mesh);
   CHECK(empty.code == ErrorCode::kInvalidInput);
   CHECK(has(empty, "no cell is inside"));
   // A speck in a grid too large to hit it.
-  const Error speck = error(blocks({1000000, 1, 1}, [](auto x, auto, auto) { return x == 77; }), mesh);
+  const Error speck =
+      error(make_blocks({1000000, 1, 1}, 4, [](auto x, auto, auto) { return x == 77; }), mesh);
   CHECK(speck.code == ErrorCode::kInvalidInput);
   CHECK(has(speck, "random lines"));
   const std::atomic<bool> stop{true};
@@ -169,7 +153,7 @@ TEST_CASE("distances fall as tiles get smaller, in both directions and by both r
     REQUIRE(mesh.ok());
     meshes.emplace_back("rocker arm", std::move(*mesh));
   }
-  const Result<TileMap> tile = make_tile(*parse_recipe("voronoi:cells=16,resolution=8,seed=1"));
+  const Result<TileMap> tile = make_tile(*parse_recipe("voronoi:cells=12,resolution=6,seed=1"));
   REQUIRE(tile.ok());
   for (const auto& [name, mesh] : meshes)
     for (const MembershipRule rule : {MembershipRule::kCentre, MembershipRule::kConservative}) {

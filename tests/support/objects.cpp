@@ -41,4 +41,21 @@ CellObject random_object(Rng& rng, const std::string& recipe, const Index3& tile
   return o;
 }
 
+CellObject make_blocks(const Index3& tiles, std::uint32_t edge,
+                       const std::function<bool(std::uint32_t, std::uint32_t, std::uint32_t)>& inside) {
+  CellObject o;
+  o.tile.resolution = {edge, edge, edge};
+  o.tile.cell_count = 1;
+  o.tile.pieces = {{1, {}}};
+  o.tile.voxel_ids.assign(o.tile.voxel_count(), 1);
+  o.grid = {{0, 0, 0}, 1, tiles};
+  o.membership.tiles = tiles;
+  o.membership.cell_count = 1;
+  for (std::uint32_t z = 0; z < tiles[2]; ++z)
+    for (std::uint32_t y = 0; y < tiles[1]; ++y)
+      for (std::uint32_t x = 0; x < tiles[0]; ++x)
+        o.membership.entries.push_back(std::uint32_t(inside(x, y, z) ? Tag::kInside : Tag::kOutside));
+  return o;
+}
+
 }  // namespace mesocell::test

@@ -17,26 +17,8 @@ using namespace mesocell::test;
 
 namespace {
 
-/// An object of one-metre voxels whose tiles are single cells: INSIDE where `solid` says.
-template <typename F>
-CellObject blocks(const Index3& tiles, F solid) {
-  CellObject o;
-  o.tile.resolution = {8, 8, 8};
-  o.tile.cell_count = 1;
-  o.tile.pieces = {{1, {0, 0, 0}}};
-  o.tile.voxel_ids.assign(512, 1);
-  o.grid = {{0, 0, 0}, 1, tiles};
-  o.membership.tiles = tiles;
-  o.membership.cell_count = 1;
-  for (std::uint32_t z = 0; z < tiles[2]; ++z)
-    for (std::uint32_t y = 0; y < tiles[1]; ++y)
-      for (std::uint32_t x = 0; x < tiles[0]; ++x)
-        o.membership.entries.push_back(std::uint32_t(solid(x, y, z) ? Tag::kInside : Tag::kOutside));
-  return o;
-}
-
 CellObject slab() {
-  return blocks({9, 9, 3}, [](std::uint32_t, std::uint32_t, std::uint32_t z) { return z == 1; });
+  return make_blocks({9, 9, 3}, 8, [](std::uint32_t, std::uint32_t, std::uint32_t z) { return z == 1; });
 }
 
 /// A picture that shows directions: each channel is a component.
@@ -125,7 +107,7 @@ TEST_CASE("a glass slab shifts a ray by Snell's law") {
 
 TEST_CASE("in a glass block, total reflection turns a ray around") {
   // 24 wide, 40 high, from (8, 8, 8) to (32, 32, 48); all that happens is far from its edges.
-  const CellObject object = blocks({5, 5, 7}, [](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  const CellObject object = make_blocks({5, 5, 7}, 8, [](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     return x >= 1 && x <= 3 && y >= 1 && y <= 3 && z >= 1 && z <= 5;
   });
   const auto caster = make_exact_caster(object);
@@ -142,8 +124,8 @@ TEST_CASE("in a glass block, total reflection turns a ray around") {
 TEST_CASE("reflections between two facing walls go as computed by hand") {
   // Walls fill x < 8 and x >= 24; the gap between is 16 wide. Bouncing at 45° in x and z, a ray needs 16 of z
   // a hop.
-  const CellObject object =
-      blocks({4, 3, 20}, [](std::uint32_t x, std::uint32_t, std::uint32_t) { return x == 0 || x == 3; });
+  const CellObject object = make_blocks(
+      {4, 3, 20}, 8, [](std::uint32_t x, std::uint32_t, std::uint32_t) { return x == 0 || x == 3; });
   const auto caster = make_exact_caster(object);
   const double s = std::sqrt(0.5);
   const Ray ray{{16, 12, 150},
@@ -160,8 +142,9 @@ TEST_CASE("reflections between two facing walls go as computed by hand") {
 
 TEST_CASE("hard shadow and ambient occlusion") {
   // A plate with a roof over half of it.
-  const CellObject object = blocks(
-      {6, 6, 6}, [](std::uint32_t x, std::uint32_t, std::uint32_t z) { return z == 0 || (z == 3 && x < 3); });
+  const CellObject object = make_blocks({6, 6, 6}, 8, [](std::uint32_t x, std::uint32_t, std::uint32_t z) {
+    return z == 0 || (z == 3 && x < 3);
+  });
   const auto caster = make_exact_caster(object);
   const Environment sky(Vec3{1, 1, 1});
   const Ray open{{44.5, 20, 40}, {0, 0, -1}}, covered{{2, 20, 14}, {0, 0, -1}};
@@ -177,8 +160,8 @@ TEST_CASE("hard shadow and ambient occlusion") {
   CHECK(light_along(*caster, ao, sky, {{44.5, 20, 40}, {0, 0, -1}}).x ==
         Approx(light_along(*caster, none, sky, open).x));
   // In a corner between floor and wall half of the sky is gone.
-  const CellObject corner =
-      blocks({6, 6, 6}, [](std::uint32_t x, std::uint32_t, std::uint32_t z) { return z == 0 || x == 0; });
+  const CellObject corner = make_blocks(
+      {6, 6, 6}, 8, [](std::uint32_t x, std::uint32_t, std::uint32_t z) { return z == 0 || x == 0; });
   const auto in_corner = make_exact_caster(corner);
   const Ray edge{{8.5, 24, 30}, {0, 0, -1}}, far{{44.5, 24, 30}, {0, 0, -1}};
   const double near_wall = light_along(*in_corner, ao, sky, edge).x,
@@ -266,7 +249,8 @@ TEST_CASE("a ray leaves the object at the first voxel that is not inside, exactl
 }
 
 TEST_CASE("colors are the product of the tile's, the cell's and the instance's") {
-  CellObject object = blocks({2, 1, 1}, [](std::uint32_t, std::uint32_t, std::uint32_t) { return true; });
+  CellObject object =
+      make_blocks({2, 1, 1}, 8, [](std::uint32_t, std::uint32_t, std::uint32_t) { return true; });
   object.color = ColorMap{{2, 1, 1}, {{255, 0, 255}, {255, 255, 0}}};
   object.cell_colors = {{255, 128, 255}};
   object.instance_colors = {{255, 255, 255}, {0, 255, 255}};
