@@ -25,11 +25,32 @@ struct Run {
   std::uint32_t end, piece;
 };
 
-/// The tile's rows as runs; row r has runs[first[r]] … runs[first[r + 1]].
-struct TileRows {
-  std::vector<std::uint32_t> first;
-  std::vector<Run> runs;
+/// A part of a set of pieces: piece p is bit p % 64 of word p / 64.
+struct PieceBits {
+  std::uint32_t word;
+  std::uint64_t bits;
 };
+
+/// The tile's rows as runs; row r has runs[first[r]] … runs[first[r + 1]], and the pieces of these are
+/// sets[first_set[r]] … sets[first_set[r + 1]].
+struct TileRows {
+  std::vector<std::uint32_t> first, first_set;
+  std::vector<Run> runs;
+  std::vector<PieceBits> sets;
+};
+
+/// Adds what the runs of the last row have in them.
+void add_set(TileRows& rows) {
+  const std::size_t begin = rows.sets.size();
+  rows.first_set.push_back(std::uint32_t(begin));
+  for (std::size_t k = rows.first.back(); k < rows.runs.size(); ++k) {
+    const std::uint32_t word = rows.runs[k].piece / 64;
+    std::size_t set = begin;
+    while (set < rows.sets.size() && rows.sets[set].word != word) ++set;
+    if (set == rows.sets.size()) rows.sets.push_back({word, 0});
+    rows.sets[set].bits |= std::uint64_t{1} << (rows.runs[k].piece % 64);
+  }
+}
 
 TileRows rows_of(const TileMap& tile) {
   TileRows rows;
@@ -45,8 +66,10 @@ TileRows rows_of(const TileMap& tile) {
       piece = next;
     }
     rows.runs.push_back({width, piece});
+    add_set(rows);
   }
   rows.first.push_back(std::uint32_t(rows.runs.size()));
+  rows.first_set.push_back(std::uint32_t(rows.sets.size()));
   return rows;
 }
 
@@ -75,8 +98,17 @@ class Bundle {
       states_[t].pieces.assign(tile_.pieces.size() + 1, kNone);
       mixed_.push_back(t);
     }
-    if (!mixed_.empty())
-      for (std::size_t r = 0; r + 1 < rows_.first.size(); ++r) mark_row(r, intervals.row(r));
+    if (mixed_.empty()) return states_;
+    const std::size_t words = tile_.pieces.size() / 64 + 1;
+    seen_.assign(2 * words * mixed_.size(), 0);
+    for (std::size_t r = 0; r + 1 < rows_.first.size(); ++r) mark_row(r, words, intervals.row(r));
+    for (std::size_t m = 0; m < mixed_.size(); ++m) {
+      const std::uint64_t* const out = &seen_[2 * words * m];
+      const std::uint64_t* const in = out + words;
+      std::vector<Seen>& pieces = states_[mixed_[m]].pieces;
+      for (std::size_t p = 1; p < pieces.size(); ++p)
+        pieces[p] = Seen((in[p / 64] >> (p % 64) & 1) * kIn | (out[p / 64] >> (p % 64) & 1) * kOut);
+    }
     return states_;
   }
 
@@ -135,38 +167,83 @@ class Bundle {
     }
   }
 
-  void mark_row(std::size_t r, std::span<const Interval> intervals) {
+  void mark_row(std::size_t r, std::size_t words, std::span<const Interval> intervals) {
     const std::uint32_t width = tile_.resolution[0];
-    const std::span<const Run> runs{rows_.runs.data() + rows_.first[r],
-                                    rows_.runs.data() + rows_.first[r + 1]};
+    const std::span<const PieceBits> all{rows_.sets.data() + rows_.first_set[r],
+                                         rows_.sets.data() + rows_.first_set[r + 1]};
     std::size_t k = 0;
-    for (const std::uint32_t t : mixed_) {
-      const std::uint32_t begin = t * width, end = begin + width;
-      Seen* const seen = states_[t].pieces.data();
+    for (std::size_t m = 0; m < mixed_.size(); ++m) {
+      const std::uint32_t begin = mixed_[m] * width, end = begin + width;
+      std::uint64_t* const out = &seen_[2 * words * m];
+      std::uint64_t* const in = out + words;
       while (k < intervals.size() && intervals[k].end <= begin) ++k;
-      // Walk the tile's stretches, alternately outside and inside, along the runs of the row.
-      std::size_t run = 0;
-      std::uint32_t at = 0;
-      const auto mark = [&](std::uint32_t to, Seen what) {
-        while (at < to) {
-          seen[runs[run].piece] |= what;
-          at = std::min(runs[run].end, to);
-          if (at == runs[run].end) ++run;
-        }
-      };
-      for (std::size_t i = k; i < intervals.size() && intervals[i].begin < end; ++i) {
-        mark(std::max(intervals[i].begin, begin) - begin, kOut);
-        mark(std::min(intervals[i].end, end) - begin, kIn);
+      // Few rows of a tile are cut; of the others all pieces are on one side.
+      const bool outside = k == intervals.size() || intervals[k].begin >= end;
+      if (outside || (intervals[k].begin <= begin && intervals[k].end >= end)) {
+        std::uint64_t* const side = outside ? out : in;
+        for (const PieceBits& set : all) side[set.word] |= set.bits;
+        continue;
       }
-      mark(width, kOut);
+      const std::span<const Run> runs{rows_.runs.data() + rows_.first[r],
+                                      rows_.runs.data() + rows_.first[r + 1]};
+      const bool once = k + 1 == intervals.size() || intervals[k + 1].begin >= end;
+      if (once && intervals[k].begin <= begin)
+        mark_cut(runs, intervals[k].end - begin, words, in, out);
+      else if (once && intervals[k].end >= end)
+        mark_cut(runs, intervals[k].begin - begin, words, out, in);
+      else
+        mark_stretches(runs, intervals.subspan(k), begin, end, in, out);
     }
+  }
+
+  /// Marks the pieces of a row's voxels before `cut` and of those from there on.
+  static void mark_cut(std::span<const Run> runs, std::uint32_t cut, std::size_t words, std::uint64_t* before,
+                       std::uint64_t* beyond) {
+    // Without a branch on where the cut is, which nobody could predict.
+    std::uint32_t begin = 0;
+    if (words == 1) {
+      std::uint64_t low = 0, high = 0;
+      for (const Run& run : runs) {
+        low |= std::uint64_t{begin < cut} << run.piece;
+        high |= std::uint64_t{run.end > cut} << run.piece;
+        begin = run.end;
+      }
+      *before |= low;
+      *beyond |= high;
+      return;
+    }
+    for (const Run& run : runs) {
+      before[run.piece / 64] |= std::uint64_t{begin < cut} << (run.piece % 64);
+      beyond[run.piece / 64] |= std::uint64_t{run.end > cut} << (run.piece % 64);
+      begin = run.end;
+    }
+  }
+
+  /// Marks the pieces of a row's voxels by the tile's stretches, alternately outside and inside.
+  static void mark_stretches(std::span<const Run> runs, std::span<const Interval> intervals,
+                             std::uint32_t begin, std::uint32_t end, std::uint64_t* in, std::uint64_t* out) {
+    std::size_t run = 0;
+    std::uint32_t at = 0;
+    const auto mark = [&](std::uint32_t to, std::uint64_t* side) {
+      while (at < to) {
+        side[runs[run].piece / 64] |= std::uint64_t{1} << (runs[run].piece % 64);
+        at = std::min(runs[run].end, to);
+        if (at == runs[run].end) ++run;
+      }
+    };
+    for (std::size_t i = 0; i < intervals.size() && intervals[i].begin < end; ++i) {
+      mark(std::max(intervals[i].begin, begin) - begin, out);
+      mark(std::min(intervals[i].end, end) - begin, in);
+    }
+    mark(end - begin, out);
   }
 
   const TileMap& tile_;
   const TileRows& rows_;
   std::vector<TileState> states_;
   std::vector<std::uint64_t> inside_;
-  std::vector<std::uint32_t> mixed_;
+  std::vector<std::uint32_t> mixed_;  ///< tiles
+  std::vector<std::uint64_t> seen_;   ///< of each mixed tile the pieces seen outside, then those seen inside
 };
 
 Tag tag_of(Seen seen) {
