@@ -343,7 +343,7 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
   const Error cancelled{ErrorCode::kCancelled, "cancelled"};
   const Index3 size{tiles[0] * tile.resolution[0], tiles[1] * tile.resolution[1],
                     tiles[2] * tile.resolution[2]};
-  const OpenSolid open(mesh, size);
+  const OpenSolid open(mesh, size, options.threads, progress);
   const Scanline scanline(open.closed(), tile.resolution, tiles, open.was_closed() ? nullptr : &open);
   const TileRows rows = rows_of(tile);
   std::optional<TouchFinder> finder;

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace mesocell {
 namespace {
 
-/// Voxels that are tried to be decided at once.
-constexpr std::uint32_t kStrides[] = {64, 16, 4};
 /// A winding number so near to 1/2 or -1/2 could as well be on the other side: the voxel is called unsure.
 constexpr double kUnsure = 0.1;
+/// Far parts are taken ever more strictly, until the sign of |w| - 1/2 is certain.
+constexpr double kFirstTolerance = 1e-2, kTolerances[] = {1e-3, 1e-5, 1e-8};
+/// What a centre on the boundary or on an edge of a cap is moved by, as if it were by (ε, ε², ε³).
+constexpr Vec3 kMove{0x1p-20, 0x1p-30, 0x1p-40};
 
 class Row {
  public:
@@ -17,23 +20,24 @@ class Row {
       std::vector<Interval>& out)
       : open_(open), events_(events), y_(y + 0.5), z_(z + 0.5), out_(out), first_(out.size()) {}
 
-  /// Up to voxel `end`, where the nearest whole number is that of the closed mesh.
-  void plain(std::uint32_t end) {
+  /// Up to voxel `end`, where the whole number nearest to the caps' share is known.
+  void plain(std::uint32_t end, std::int32_t whole, std::int32_t unsure) {
     while (x_ < end) {
       pass_events();
       const std::uint32_t next = next_ < events_.size() ? std::min(end, events_[next_].x) : end;
-      emit(x_, next, closed_ != 0);
+      emit(x_, next, closed_ != whole);
+      if (unsure != 0 && (closed_ == whole || closed_ == whole + unsure)) unsure_ += next - x_;
       x_ = next;
     }
   }
 
-  /// Up to voxel `end`, by evaluation.
-  void evaluated(std::uint32_t end) {
+  /// Up to voxel `end`, by evaluation. `gradient`: as OpenSolid::Stretch has it.
+  void evaluated(std::uint32_t end, double gradient) {
     while (x_ < end) {
       pass_events();
-      const WindingField::Value cones = open_.cones({x_ + 0.5, y_, z_});
-      const double winding = closed_ - cones.winding;
-      if (!stride(winding, cones.error, end)) single(winding, cones.error);
+      const WindingField::Value caps = open_.caps({x_ + 0.5, y_, z_}, kFirstTolerance);
+      const double winding = closed_ - caps.winding;
+      if (!stride(winding, caps.error, gradient, end)) single(winding, caps.error);
     }
   }
 
@@ -45,7 +49,7 @@ class Row {
   void pass_events() {
     for (; next_ < events_.size() && events_[next_].x <= x_; ++next_) {
       closed_ += events_[next_].delta;
-      if (!events_[next_].of_cone) mesh_ += events_[next_].delta;
+      if (!events_[next_].of_cap) mesh_ += events_[next_].delta;
     }
   }
 
@@ -59,17 +63,14 @@ class Row {
 
   /// Decides several voxels from the first of them: the winding number changes by the surface's crossings,
   /// and else no faster than its gradient.
-  bool stride(double winding, double error, std::uint32_t end) {
-    for (const std::uint32_t most : kStrides) {
-      const std::uint32_t last = std::min(end, x_ + most);
-      if (last - x_ < 2) continue;
-      const double reach =
-          error + open_.gradient({{x_ + 0.5, y_, z_}, {last - 0.5, y_, z_}}) * (last - x_ - 1);
+  bool stride(double winding, double error, double gradient, std::uint32_t end) {
+    for (std::uint32_t last = end; last > x_ + 1; last = x_ + (last - x_) / 2) {
+      const double reach = error + gradient * (last - x_ - 1);
       if (!(margin(winding) > reach)) continue;
       bool decided = true;
       std::int32_t mesh = 0;
       for (std::size_t k = next_; k < events_.size() && events_[k].x < last && decided; ++k)
-        if (!events_[k].of_cone) {
+        if (!events_[k].of_cap) {
           mesh += events_[k].delta;
           decided = margin(winding + mesh) > reach;
         }
@@ -89,13 +90,19 @@ class Row {
   }
 
   void single(double winding, double error) {
-    if (!(margin(winding) > error)) {
-      const WindingField::Value cones = open_.cones_summed({x_ + 0.5, y_, z_});
-      winding = closed_ - cones.winding;
-      error = cones.error;
-    }
+    const Vec3 centre{x_ + 0.5, y_, z_};
+    const auto refine = [&](const WindingField::Value& caps) {
+      winding = closed_ - caps.winding;
+      error = caps.error;
+      return margin(winding) > error;
+    };
+    if (!(margin(winding) > error) &&
+        std::none_of(std::begin(kTolerances), std::end(kTolerances),
+                     [&](double tolerance) { return refine(open_.caps(centre, tolerance)); }) &&
+        !refine(open_.caps_summed(centre)) && error > kUnsure)
+      refine(open_.caps_summed(centre + kMove));
     if (margin(winding) < kUnsure) ++unsure_;
-    // On the half-way surface itself the cones decide, which are exact: so solids that share a plane
+    // On the half-way surface itself the caps decide, which are exact: so solids that share a plane
     // partition it.
     emit(x_, x_ + 1, margin(winding) > error ? std::abs(winding) > 0.5 : closed_ != 0);
     ++x_;
@@ -114,15 +121,16 @@ class Row {
 }  // namespace
 
 std::uint64_t decide_open_row(const OpenSolid& open, std::span<const Scanline::Event> events, std::uint32_t y,
-                              std::uint32_t z, std::uint32_t x_end, std::span<const RowStretch> stretches,
-                              std::vector<Interval>& out) {
+                              std::uint32_t z, std::uint32_t x_end, std::vector<Interval>& out) {
   Row row(open, events, y, z, out);
-  for (const RowStretch& stretch : stretches) {
-    if (stretch.begin >= x_end) break;
-    row.plain(stretch.begin);
-    row.evaluated(std::min(stretch.end, x_end));
+  for (const OpenSolid::Stretch& stretch : open.stretches(y, z)) {
+    row.plain(stretch.begin, 0, 0);
+    if (stretch.evaluate)
+      row.evaluated(stretch.end, stretch.gradient);
+    else
+      row.plain(stretch.end, stretch.whole, stretch.unsure);
   }
-  row.plain(x_end);
+  row.plain(x_end, 0, 0);
   return row.unsure();
 }
 

@@ -8,7 +8,6 @@
 #include "format/cell_object.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
-#include "sdk/membership/scanline.h"
 #include "sdk/membership/winding_field.h"
 
 namespace mesocell {
@@ -16,46 +15,67 @@ namespace mesocell {
 /// The inside of a mesh that is not closed, by its generalized winding number w: the points with |w| > 1/2.
 /// [Jacobson 2013]
 ///
-/// The boundary of the mesh is closed by cones, one for each of its connected parts. Of the closed mesh the
-/// winding number n is whole and found exactly, row by row; w = n - c, where c is what the cones alone
-/// contribute. Wherever |c| is well below 1/2 rounding w gives n, so nothing else is computed there; the
-/// blocks of voxels where it may not be are kept in a list, and w is evaluated in them. That is exact in the
-/// sense that no triangle is left out and no cone matters, and costs time only near holes.
+/// The mesh is closed by caps, see cap_boundary(). Of the closed mesh the winding number n is whole and found
+/// exactly, row by row; w = n - c, where c is what the caps alone contribute. So |w| > 1/2 exactly where n is
+/// not the whole number k nearest to c. Off the caps c is smooth, and how steep it is at most follows from
+/// the boundary; so k is found once for whole blocks of voxels, and c is evaluated voxel by voxel only where
+/// it is near k + 1/2, near the boundary and on the caps. That leaves no triangle out, does not depend on
+/// the caps, and costs time near holes only, as the area of their half-way surfaces.
 class OpenSolid {
  public:
-  /// `mesh` in voxel units, of any topology; `size`: of the grid, voxels.
-  OpenSolid(const TriangleMesh& mesh, const Index3& size);
+  /// `mesh` in voxel units, of any topology; `size`: of the grid, voxels. Cancelled, it is left without
+  /// stretches.
+  OpenSolid(const TriangleMesh& mesh, const Index3& size, unsigned threads = 0,
+            const Progress* progress = nullptr);
 
-  /// The mesh and behind its triangles the cones. Closed.
+  /// The mesh and behind its triangles the caps. Closed.
   [[nodiscard]] const TriangleMesh& closed() const { return closed_; }
   /// Triangles of closed() that are of the mesh.
   [[nodiscard]] std::size_t mesh_triangles() const { return mesh_triangles_; }
   /// Whether the mesh was closed by itself, so that there is nothing to evaluate.
-  [[nodiscard]] bool was_closed() const { return segments_ == 0; }
+  [[nodiscard]] bool was_closed() const { return boundary_edges_ == 0; }
   /// Edges of the mesh's boundary, as often as it runs along them.
-  [[nodiscard]] std::size_t boundary_edges() const { return segments_; }
+  [[nodiscard]] std::size_t boundary_edges() const { return boundary_edges_; }
 
-  /// Where the winding number must be evaluated in the row of voxels (·, y, z): stretches [begin, end) along
-  /// x, ascending.
-  void stretches(std::uint32_t y, std::uint32_t z, std::vector<RowStretch>& out) const;
+  /// Voxels [begin, end) of a row along x.
+  struct Stretch {
+    std::uint32_t begin, end;
+    std::int16_t whole;  ///< k, the whole number nearest to c
+    /// Where c is near whole + 1/2 or whole - 1/2: 1 or -1; else 0.
+    std::int8_t unsure;
+    bool evaluate;   ///< c must be evaluated; `whole` and `unsure` say nothing
+    float gradient;  ///< the most that w can change from voxel to voxel off the surface, if `evaluate`
+  };
+  /// Those of the row (·, y, z), ascending. Between them `whole` is 0 and nothing is unsure.
+  [[nodiscard]] std::span<const Stretch> stretches(std::uint32_t y, std::uint32_t z) const;
 
-  /// The cones' share at a voxel's centre.
-  [[nodiscard]] WindingField::Value cones(Vec3 centre) const { return cones_.approximate(centre); }
-  [[nodiscard]] WindingField::Value cones_summed(Vec3 centre) const { return cones_.sum(centre); }
-  /// The most that w can change along a piece of a row, per voxel, off the surface.
-  [[nodiscard]] double gradient(const Box3& box) const { return gradient_.bound(box); }
+  /// The caps' share at a voxel's centre.
+  [[nodiscard]] WindingField::Value caps(Vec3 centre, double tolerance) const {
+    return caps_.approximate(centre, tolerance);
+  }
+  [[nodiscard]] WindingField::Value caps_summed(Vec3 centre) const { return caps_.sum(centre); }
 
  private:
-  static constexpr std::uint32_t kBlock = 16;
+  static constexpr std::uint32_t kBlock = 4;
 
-  void find_blocks(const std::array<std::uint32_t, 3>& low, std::uint32_t edge, const Index3& size);
+  /// Blocks of `edge`³ voxels, or of less where the grid ends.
+  struct Block {
+    std::array<std::uint32_t, 3> low;
+    std::uint32_t edge;
+    Stretch what;  ///< for each of its rows
+  };
+  void find_blocks(const std::array<std::uint32_t, 3>& low, std::uint32_t edge, std::uint32_t coarsest,
+                   std::vector<Block>& out) const;
+  void lay_out(const std::vector<std::vector<Block>>& blocks);
 
   TriangleMesh closed_;
-  std::size_t mesh_triangles_ = 0, segments_ = 0;
-  WindingField cones_;
-  BoundaryGradient gradient_;
-  /// Blocks of kBlock³ voxels in which w is evaluated, by (z, y, x), in units of blocks.
-  std::vector<std::array<std::uint32_t, 3>> blocks_;
+  Index3 size_;
+  std::size_t mesh_triangles_ = 0, boundary_edges_ = 0;
+  WindingField caps_;
+  CapGradient gradient_;
+  /// Rows of blocks of kBlock² rows: (y, z) / kBlock has stretches_[first_[r]] … stretches_[first_[r + 1]].
+  std::vector<std::uint64_t> first_;
+  std::vector<Stretch> stretches_;
 };
 
 }  // namespace mesocell

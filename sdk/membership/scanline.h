@@ -12,11 +12,6 @@ namespace mesocell MESOCELL_INTERNAL_API {
 
 class OpenSolid;
 
-/// A part of a row of voxels, [begin, end) along x.
-struct RowStretch {
-  std::uint32_t begin, end;
-};
-
 /// Voxels [begin, end) of one row along x that are inside the mesh.
 struct Interval {
   std::uint32_t begin, end;
@@ -50,11 +45,10 @@ class Scanline {
   struct Event {
     std::uint32_t row, x;
     std::int16_t delta;
-    std::uint16_t of_cone;  ///< 1 if the triangle only closes an open mesh
+    std::uint16_t of_cap;  ///< 1 if the triangle only closes an open mesh
   };
   struct Scratch {
     std::vector<Event> events, sorted;
-    std::vector<RowStretch> stretches;
     std::uint64_t unsure = 0;  ///< voxels so far whose winding number was nearly 1/2
   };
   void bundle(std::uint32_t ty, std::uint32_t tz, Scratch& scratch, RowIntervals& out) const;

@@ -14,10 +14,10 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSphere = 4 * std::numbers::pi;
 constexpr std::uint32_t kLeaf = 4;
-/// A part whose dipole is off by less than this share of its area at unit distance is not looked into.
-constexpr double kDipoleError = 1e-3;
-/// Bounds the rounding of one triangle's share, whose angle is within a few units in the last place.
+/// Bounds the rounding of one triangle's share, where its angle is well conditioned.
 constexpr double kRounding = 1e-14;
+/// What an angle is off by at most, where the point is on an edge or so near that rounding hides its side.
+constexpr double kHalf = 0.5;
 
 /// Squared distance of two closed boxes, 0 where they meet.
 double squared_distance(const Box3& a, const Box3& b) {
@@ -29,6 +29,35 @@ double squared_distance(const Box3& a, const Box3& b) {
   return sum;
 }
 
+/// Bounds the distance of a triangle and a box from below: by the gap between them along some directions,
+/// those that tell slivers from their boxes among them.
+double distance_bound(const std::array<Vec3, 3>& t, const Box3& box) {
+  const Vec3 centre = (box.min + box.max) / 2, half = box.extent() / 2;
+  double bound = 0;
+  const auto along = [&](Vec3 axis) {
+    const double norm = length(axis);
+    if (!(norm > 0)) return;
+    const double middle = dot(centre, axis);
+    const double reach = half.x * std::abs(axis.x) + half.y * std::abs(axis.y) + half.z * std::abs(axis.z);
+    const double a = dot(t[0], axis), b = dot(t[1], axis), c = dot(t[2], axis);
+    bound = std::max({bound, (std::min({a, b, c}) - middle - reach) / norm,
+                      (middle - reach - std::max({a, b, c})) / norm});
+  };
+  along({1, 0, 0});
+  along({0, 1, 0});
+  along({0, 0, 1});
+  along(cross(t[1] - t[0], t[2] - t[0]));
+  Vec3 edge = t[1] - t[0], from = t[0];
+  for (int e = 1; e < 3; ++e)
+    if (const Vec3 other = t[(e + 1) % 3] - t[e]; dot(other, other) > dot(edge, edge)) {
+      edge = other;
+      from = t[e];
+    }
+  if (dot(edge, edge) > 0) along(centre - from - edge * (dot(centre - from, edge) / dot(edge, edge)));
+  // What rounding may have added, in voxels of a grid whose coordinates have a few more digits.
+  return std::max(0.0, bound - 1e-6);
+}
+
 /// Side of p + (ε, ε², ε³) of the plane through a, b, c; 0 if they are collinear.
 int side(Vec3 a, Vec3 b, Vec3 c, Vec3 p) {
   if (const int s = orientation_3d(a, b, c, p)) return s;
@@ -38,20 +67,54 @@ int side(Vec3 a, Vec3 b, Vec3 c, Vec3 p) {
   return orientation_2d(a.x, a.y, b.x, b.y, c.x, c.y);
 }
 
-/// Share of the winding number of one triangle. [van Oosterom, Strackee 1983]
-double share(const std::array<Vec3, 3>& triangle, Vec3 p) {
-  const Vec3 a = triangle[0] - p, b = triangle[1] - p, c = triangle[2] - p;
-  const double la = length(a), lb = length(b), lc = length(c), product = la * lb * lc;
-  double volume = dot(a, cross(b, c));
-  const double rest = product + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-  // Near the plane the sign decides between both sides of a triangle; there rounding must not.
-  if (std::abs(volume) < 1e-12 * product || product == 0) {
-    const int s = -side(triangle[0], triangle[1], triangle[2], p);
-    if (s == 0) return 0;
-    volume = s * std::abs(volume);
+/// Sums shares of triangles: their half solid angles are those of complex numbers, which are multiplied as
+/// long as the angle of the product is certain.
+class ShareSum {
+ public:
+  /// [van Oosterom, Strackee 1983]
+  void add(const std::array<Vec3, 3>& triangle, Vec3 p) {
+    const Vec3 a = triangle[0] - p, b = triangle[1] - p, c = triangle[2] - p;
+    const double la = length(a), lb = length(b), lc = length(c), product = la * lb * lc;
+    double volume = dot(a, cross(b, c));
+    const double rest = product + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+    // Near the plane the sign decides between both sides of a triangle; there rounding must not.
+    if (std::abs(volume) < 1e-12 * product || product == 0) {
+      const int s = -side(triangle[0], triangle[1], triangle[2], p);
+      if (s == 0) return;
+      volume = s * std::abs(volume);
+    }
+    const double size = std::sqrt(volume * volume + rest * rest);
+    if (!(size > 1e-12 * product)) {
+      error_ += kHalf;
+      return;
+    }
+    error_ += kRounding * (1 + 0.1 * product / size);
+    const double x = rest / size, y = volume / size;
+    if (x <= 0) {
+      angle_ += std::atan2(y, x);
+      return;
+    }
+    // Both angles are below a right one, so that of the product is below two.
+    const double real = x * real_ - y * imaginary_;
+    imaginary_ = x * imaginary_ + y * real_;
+    real_ = real;
+    if (real_ <= 0) flush();
   }
-  return 2 * std::atan2(volume, rest) / kSphere;
-}
+
+  [[nodiscard]] WindingField::Value total() {
+    flush();
+    return {2 * angle_ / kSphere, error_};
+  }
+
+ private:
+  void flush() {
+    angle_ += std::atan2(imaginary_, real_);
+    real_ = 1;
+    imaginary_ = 0;
+  }
+
+  double angle_ = 0, error_ = 0, real_ = 1, imaginary_ = 0;
+};
 
 }  // namespace
 
@@ -80,8 +143,21 @@ std::uint32_t WindingField::build(std::uint32_t begin, std::uint32_t end) {
     node.area += area;
   }
   node.centre = node.area > 0 ? node.centre / node.area : (node.box.min + node.box.max) / 2;
-  for (std::uint32_t t = begin; t < end; ++t)
-    for (const Vec3& v : triangles_[t]) node.radius = std::max(node.radius, length(v - node.centre));
+  double second_moment = 0;  // ∫ |x - centre|²
+  for (std::uint32_t t = begin; t < end; ++t) {
+    const auto& [a, b, c] = triangles_[t];
+    const Vec3 directed = cross(b - a, c - a) / 2, at = (a + b + c) / 3 - node.centre;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) node.quadrupole[3 * i + j] += directed[i] * at[j];
+    double squares = 9 * dot(at, at);
+    for (const Vec3& v : triangles_[t]) {
+      squares += dot(v - node.centre, v - node.centre);
+      node.radius = std::max(node.radius, length(v - node.centre));
+    }
+    second_moment += length(directed) * squares / 12;
+  }
+  // The second derivative of r/r³ is at most 6/r⁴.
+  node.moment_root = std::sqrt(std::sqrt(3 * second_moment / kSphere));
   if (end - begin > kLeaf) {
     const std::uint32_t middle = begin + (end - begin) / 2;
     node.left = build(begin, middle);
@@ -91,41 +167,44 @@ std::uint32_t WindingField::build(std::uint32_t begin, std::uint32_t end) {
   return index;
 }
 
-WindingField::Value WindingField::approximate(Vec3 p) const {
+WindingField::Value WindingField::approximate(Vec3 p, double tolerance) const {
   Value value;
   if (nodes_.empty()) return value;
+  ShareSum near;
+  const double far = 1 / std::sqrt(std::sqrt(tolerance));
   std::array<std::uint32_t, 64> stack;
   std::size_t size = 0;
   stack[size++] = 0;
   while (size > 0) {
     const Node& node = nodes_[stack[--size]];
     const Vec3 d = node.centre - p;
-    const double distance = length(d), gap = distance - node.radius;
-    if (gap > 0) {
-      // The next term of the expansion: r/r³ changes by at most 2/gap³ per length.
-      const double error = node.area * 2 * node.radius / (gap * gap * gap) / kSphere;
-      if (error < kDipoleError * node.area / (distance * distance) / kSphere || error < 1e-12) {
-        value.winding += dot(node.dipole, d) / (distance * distance * distance) / kSphere;
-        value.error += error;
-        continue;
-      }
+    const double squared = dot(d, d), least = node.radius + far * node.moment_root;
+    if (squared > least * least) {
+      const double distance = std::sqrt(squared), gap = distance - node.radius, g = gap * gap;
+      const double error = node.moment_root * node.moment_root / g;
+      const std::array<double, 9>& m = node.quadrupole;
+      const Vec3 md{m[0] * d.x + m[1] * d.y + m[2] * d.z, m[3] * d.x + m[4] * d.y + m[5] * d.z,
+                    m[6] * d.x + m[7] * d.y + m[8] * d.z};
+      value.winding += (dot(node.dipole, d) + m[0] + m[4] + m[8] - 3 * dot(md, d) / squared) /
+                       (squared * distance) / kSphere;
+      value.error += error * error;
+      continue;
     }
     if (node.left == 0) {
-      for (std::uint32_t t = node.begin; t < node.end; ++t) value.winding += share(triangles_[t], p);
-      value.error += kRounding * (node.end - node.begin);
+      for (std::uint32_t t = node.begin; t < node.end; ++t) near.add(triangles_[t], p);
       continue;
     }
     stack[size++] = node.left;
     stack[size++] = node.right;
   }
-  return value;
+  const Value shares = near.total();
+  return {value.winding + shares.winding, value.error + shares.error};
 }
 
 WindingField::Value WindingField::sum(Vec3 p) const {
-  Value value;
-  for (const std::array<Vec3, 3>& triangle : triangles_) value.winding += share(triangle, p);
-  value.error = kRounding * double(triangles_.size());
-  return value;
+  ShareSum sum;
+  for (const std::array<Vec3, 3>& triangle : triangles_) sum.add(triangle, p);
+  return sum.total();
 }
 
 double WindingField::bound(const Box3& box, double enough) const {
@@ -138,10 +217,18 @@ double WindingField::bound(const Box3& box, double enough) const {
     const Node& node = nodes_[stack[--size]];
     const double squared = squared_distance(node.box, box);
     const Vec3 extent = node.box.extent();
-    const bool far = squared > dot(extent, extent);
-    if (far || node.left == 0) {
-      const double half = 0.5 * (node.end - node.begin);
-      sum += squared > 0 ? std::min(half, node.area / squared / kSphere) : half;
+    const double all = 0.5 * (node.end - node.begin);
+    if (squared > dot(extent, extent)) {
+      sum += std::min(all, node.area / squared / kSphere);
+      continue;
+    }
+    if (node.left == 0) {
+      for (std::uint32_t t = node.begin; t < node.end; ++t) {
+        const double distance = distance_bound(triangles_[t], box);
+        const double area =
+            length(cross(triangles_[t][1] - triangles_[t][0], triangles_[t][2] - triangles_[t][0])) / 2;
+        sum += distance > 0 ? std::min(0.5, area / (distance * distance) / kSphere) : 0.5;
+      }
       continue;
     }
     stack[size++] = node.left;
@@ -159,11 +246,8 @@ bool WindingField::clear_of(const Box3& box) const {
     const Node& node = nodes_[stack[--size]];
     if (squared_distance(node.box, box) > 0) continue;
     if (node.left == 0) {
-      for (std::uint32_t t = node.begin; t < node.end; ++t) {
-        Box3 own;
-        for (const Vec3& v : triangles_[t]) own.add(v);
-        if (squared_distance(own, box) == 0) return false;
-      }
+      for (std::uint32_t t = node.begin; t < node.end; ++t)
+        if (distance_bound(triangles_[t], box) == 0) return false;
       continue;
     }
     stack[size++] = node.left;
@@ -172,46 +256,123 @@ bool WindingField::clear_of(const Box3& box) const {
   return true;
 }
 
-BoundaryGradient::BoundaryGradient(const std::vector<std::array<Vec3, 2>>& segments) {
-  std::vector<Box3> boxes(segments.size());
-  for (std::size_t s = 0; s < segments.size(); ++s)
-    for (const Vec3& v : segments[s]) boxes[s].add(v);
-  const BoxTree tree(boxes);
-  for (const std::uint32_t s : tree.order()) segments_.push_back(segments[s]);
-  if (!segments_.empty()) build(0, std::uint32_t(segments_.size()));
+CapGradient::CapGradient(const std::vector<Cap>& caps) {
+  std::vector<Node> all;
+  for (const Cap& cap : caps) {
+    std::vector<Node> areas, lengths;
+    Node whole;
+    for (const std::array<Vec3, 3>& t : cap.triangles) {
+      Node& node = areas.emplace_back();
+      for (const Vec3& v : t) node.box.add(v);
+      node.area = length(cross(t[1] - t[0], t[2] - t[0])) / 2;
+      node.item = std::uint32_t(triangles_.size());
+      triangles_.push_back(t);
+      whole.area += node.area;
+    }
+    for (const std::array<Vec3, 2>& s : cap.loop) {
+      Node& node = lengths.emplace_back();
+      for (const Vec3& v : s) {
+        node.box.add(v);
+        whole.box.add(v);
+      }
+      node.length = length(s[1] - s[0]);
+      whole.length += node.length;
+    }
+    whole.item = std::uint32_t(roots_.size());
+    all.push_back(whole);
+    const std::uint32_t by_triangles = build(areas, 0, areas.size());
+    roots_.push_back({by_triangles, build(lengths, 0, lengths.size())});
+  }
+  if (!all.empty()) root_ = build(all, 0, all.size());
 }
 
-std::uint32_t BoundaryGradient::build(std::uint32_t begin, std::uint32_t end) {
+std::uint32_t CapGradient::build(std::vector<Node>& items, std::size_t begin, std::size_t end) {
   const std::uint32_t index = std::uint32_t(nodes_.size());
-  nodes_.emplace_back();
+  if (end - begin == 1) {
+    nodes_.push_back(items[begin]);
+    return index;
+  }
   Node node;
-  node.begin = begin;
-  node.end = end;
-  for (std::uint32_t s = begin; s < end; ++s) {
-    for (const Vec3& v : segments_[s]) node.box.add(v);
-    node.length += mesocell::length(segments_[s][1] - segments_[s][0]);
+  for (std::size_t k = begin; k < end; ++k) {
+    node.box.add(items[k].box.min);
+    node.box.add(items[k].box.max);
+    node.area += items[k].area;
+    node.length += items[k].length;
   }
-  if (end - begin > 1) {
-    const std::uint32_t middle = begin + (end - begin) / 2;
-    node.left = build(begin, middle);
-    node.right = build(middle, end);
-  }
+  // Halved across the longest side.
+  const Vec3 extent = node.box.extent();
+  const std::size_t axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  const auto at = [&](std::size_t k) { return items.begin() + std::ptrdiff_t(k); };
+  const std::size_t middle = begin + (end - begin) / 2;
+  std::nth_element(at(begin), at(middle), at(end), [&](const Node& a, const Node& b) {
+    const double ca = a.box.min[axis] + a.box.max[axis], cb = b.box.min[axis] + b.box.max[axis];
+    return ca < cb || (ca == cb && a.item < b.item);
+  });
+  nodes_.emplace_back();
+  node.left = build(items, begin, middle);
+  node.right = build(items, middle, end);
   nodes_[index] = node;
   return index;
 }
 
-double BoundaryGradient::bound(const Box3& box) const {
+double CapGradient::bound(const Box3& box) const {
   double sum = 0;
   if (nodes_.empty()) return sum;
   std::array<std::uint32_t, 64> stack;
   std::size_t size = 0;
-  stack[size++] = 0;
+  stack[size++] = root_;
   while (size > 0) {
     const Node& node = nodes_[stack[--size]];
     const double squared = squared_distance(node.box, box);
     const Vec3 extent = node.box.extent();
-    // At (√2 - 1)⁻¹ diagonals away the nearest and the farthest of it differ by a factor of √2.
-    if (squared > 6 * dot(extent, extent) || node.left == 0) {
+    if (squared > dot(extent, extent)) {
+      sum += std::min(2 * node.area / std::sqrt(squared), node.length) / squared / kSphere;
+      continue;
+    }
+    if (node.left == 0) {
+      const double length = by_length(roots_[node.item].loop, box);
+      sum += std::min(length, by_area(roots_[node.item].triangles, box, length));
+      continue;
+    }
+    stack[size++] = node.left;
+    stack[size++] = node.right;
+  }
+  return sum;
+}
+
+double CapGradient::by_area(std::uint32_t root, const Box3& box, double enough) const {
+  double sum = 0;
+  std::array<std::uint32_t, 64> stack;
+  std::size_t size = 0;
+  stack[size++] = root;
+  while (size > 0 && sum < enough) {
+    const Node& node = nodes_[stack[--size]];
+    const double squared = squared_distance(node.box, box);
+    const Vec3 extent = node.box.extent();
+    if (node.left == 0) {
+      const double distance = distance_bound(triangles_[node.item], box);
+      if (distance == 0) return kInfinity;
+      sum += 2 * node.area / (distance * distance * distance) / kSphere;
+    } else if (squared > dot(extent, extent)) {
+      sum += 2 * node.area / (squared * std::sqrt(squared)) / kSphere;
+    } else {
+      stack[size++] = node.left;
+      stack[size++] = node.right;
+    }
+  }
+  return sum;
+}
+
+double CapGradient::by_length(std::uint32_t root, const Box3& box) const {
+  double sum = 0;
+  std::array<std::uint32_t, 64> stack;
+  std::size_t size = 0;
+  stack[size++] = root;
+  while (size > 0) {
+    const Node& node = nodes_[stack[--size]];
+    const double squared = squared_distance(node.box, box);
+    const Vec3 extent = node.box.extent();
+    if (node.left == 0 || squared > dot(extent, extent)) {
       if (squared == 0) return kInfinity;
       sum += node.length / squared / kSphere;
       continue;

@@ -9,7 +9,7 @@
 namespace mesocell {
 
 /// The winding number that an open surface contributes at a point: the sum of its triangles' solid angles by
-/// 4π, positive where it is seen from behind. [Jacobson 2013; far parts by dipoles: Barill 2018]
+/// 4π, positive where it is seen from behind. [Jacobson 2013; far parts by their moments: Barill 2018]
 ///
 /// A point on the surface counts as p + (ε, ε², ε³) with ε → 0+, exactly, as everywhere. Otherwise the sums
 /// are of doubles. Thread safety: const.
@@ -19,23 +19,26 @@ class WindingField {
 
   struct Value {
     double winding = 0;
-    double error = 0;  ///< bounds what is left out, rounding included
+    double error = 0;  ///< bounds what is left out, rounding included; above 0.1 if the point is on an edge
   };
-  /// Far parts are taken as dipoles.
-  [[nodiscard]] Value approximate(Vec3 p) const;
+  /// Far parts are taken by their first and second moments, where that is off by less than `tolerance`.
+  [[nodiscard]] Value approximate(Vec3 p, double tolerance) const;
   /// All triangles one by one.
   [[nodiscard]] Value sum(Vec3 p) const;
 
   /// The most that the field can be in magnitude at any point of a box; the search ends beyond `enough`.
   [[nodiscard]] double bound(const Box3& box, double enough) const;
-  /// Whether no triangle's box meets the box.
+  /// Whether the box meets no triangle for certain.
   [[nodiscard]] bool clear_of(const Box3& box) const;
 
  private:
   struct Node {
     Box3 box;
-    Vec3 centre, dipole;  ///< of the areas
+    Vec3 centre, dipole;                 ///< of the areas
+    std::array<double, 9> quadrupole{};  ///< Σ area · normal ⊗ (place - centre)
     double radius = 0, area = 0;
+    double moment_root =
+        0;  ///< at a gap g from the radius the expansion is off by (moment_root / g)⁴ at most
     std::uint32_t begin = 0, end = 0;   ///< triangles
     std::uint32_t left = 0, right = 0;  ///< 0: a leaf
   };
@@ -45,27 +48,44 @@ class WindingField {
   std::vector<Node> nodes_;
 };
 
-/// How fast the winding number of a surface can change with place: it is harmonic off the surface and its
-/// gradient is an integral along the boundary, (1/4π) ∮ r × dl / r³. [Biot-Savart; Jacobson 2013]
-class BoundaryGradient {
+/// How steep the winding number of caps can be: of each cap the lesser of two bounds counts.
+/// - Off the cap it is that of a dipole layer, whose gradient is at most 2 ∫ dA / r³ / 4π: good for small
+///   caps and for slivers.
+/// - It is harmonic off the loop, up to whole numbers, with the gradient (1/4π) ∮ r × dl / r³: good near a
+///   large cap. [Biot-Savart; Jacobson 2013]
+class CapGradient {
  public:
-  /// Line segments, each as often as the boundary runs along it.
-  explicit BoundaryGradient(const std::vector<std::array<Vec3, 2>>& segments);
+  /// One cap: its triangles and the segments of its loop.
+  struct Cap {
+    std::vector<std::array<Vec3, 3>> triangles;
+    std::vector<std::array<Vec3, 2>> loop;
+  };
+  explicit CapGradient(const std::vector<Cap>& caps);
 
-  /// The most that the gradient's length can be at any point of a box, per unit of length; infinite if a
-  /// segment meets the box. At most twice as large as the sum of the segments' own bounds.
+  /// The most that the gradient's length can be at any point of a box that meets no cap, per unit of length;
+  /// for a box that meets one, of what the winding number is on either side. Infinite if a loop meets the
+  /// box.
   [[nodiscard]] double bound(const Box3& box) const;
 
  private:
+  /// Of caps, of a cap's triangles, or of its segments.
   struct Node {
     Box3 box;
-    double length = 0;
-    std::uint32_t begin = 0, end = 0, left = 0, right = 0;
+    double area = 0, length = 0;
+    std::uint32_t left = 0, right = 0;  ///< 0: a leaf
+    std::uint32_t item = 0;             ///< of a leaf: the cap or the triangle
   };
-  std::uint32_t build(std::uint32_t begin, std::uint32_t end);
+  struct Roots {
+    std::uint32_t triangles, loop;
+  };
+  std::uint32_t build(std::vector<Node>& items, std::size_t begin, std::size_t end);
+  [[nodiscard]] double by_area(std::uint32_t root, const Box3& box, double enough) const;
+  [[nodiscard]] double by_length(std::uint32_t root, const Box3& box) const;
 
-  std::vector<std::array<Vec3, 2>> segments_;
   std::vector<Node> nodes_;
+  std::vector<Roots> roots_;  ///< of each cap
+  std::vector<std::array<Vec3, 3>> triangles_;
+  std::uint32_t root_ = 0;
 };
 
 }  // namespace mesocell
