@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "sdk/core/parallel.h"
+#include "sdk/membership/cap.h"
+#include "sdk/membership/mesh_topology.h"
 #include "sdk/membership/open_solid.h"
 #include "sdk/membership/scanline.h"
 #include "sdk/membership/touch.h"
@@ -343,8 +345,14 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
   const Error cancelled{ErrorCode::kCancelled, "cancelled"};
   const Index3 size{tiles[0] * tile.resolution[0], tiles[1] * tile.resolution[1],
                     tiles[2] * tile.resolution[2]};
-  const OpenSolid open(mesh, size, options.threads, progress);
-  const Scanline scanline(open.closed(), tile.resolution, tiles, open.was_closed() ? nullptr : &open);
+  std::optional<TriangleMesh> outward;
+  if (options.solid == SolidRule::kOuter) outward = turn_outward(mesh);
+  const TriangleMesh& turned = outward ? *outward : mesh;
+  const std::vector<std::array<std::uint32_t, 2>> chain = boundary_chain(merge_corners(turned));
+  std::optional<OpenSolid> open;
+  if (!chain.empty()) open.emplace(turned, chain, size, options.threads, progress);
+  const Scanline scanline(open ? open->closed() : turned, tile.resolution, tiles, open ? &*open : nullptr,
+                          options.solid);
   const TileRows rows = rows_of(tile);
   std::optional<TouchFinder> finder;
   if (options.rule == MembershipRule::kConservative) finder.emplace(tile);
@@ -372,7 +380,7 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
         if (finder)
           for (const std::uint32_t t :
                scanline.triangles(std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]))) {
-            if (t >= open.mesh_triangles()) continue;
+            if (t >= mesh.triangles.size()) continue;
             const Triangle& v = mesh.triangles[t];
             worker.bundle.touch(*finder, {mesh.vertices[v[0]], mesh.vertices[v[1]], mesh.vertices[v[2]]},
                                 std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]));
@@ -415,7 +423,7 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
     first_block = next;
   }
   if (report) {
-    *report = {.inside_voxels = inside, .mixed_tiles = mixed, .boundary_edges = open.boundary_edges()};
+    *report = {.inside_voxels = inside, .mixed_tiles = mixed, .boundary_edges = chain.size()};
     for (const Worker& worker : workers) report->unsure_voxels += worker.scratch.unsure;
   }
   return map;

@@ -7,7 +7,8 @@
 namespace mesocell {
 namespace {
 
-/// A winding number so near to 1/2 or -1/2 could as well be on the other side: the voxel is called unsure.
+/// A winding number so near to half-way between whole numbers could as well be on the other side: the voxel
+/// is called unsure.
 constexpr double kUnsure = 0.1;
 /// Far parts are taken ever more strictly, until the sign of |w| - 1/2 is certain.
 constexpr double kFirstTolerance = 1e-2, kTolerances[] = {1e-3, 1e-5, 1e-8};
@@ -17,16 +18,16 @@ constexpr Vec3 kMove{0x1p-20, 0x1p-30, 0x1p-40};
 class Row {
  public:
   Row(const OpenSolid& open, std::span<const Scanline::Event> events, std::uint32_t y, std::uint32_t z,
-      std::vector<Interval>& out)
-      : open_(open), events_(events), y_(y + 0.5), z_(z + 0.5), out_(out), first_(out.size()) {}
+      std::int32_t mask, std::vector<Interval>& out)
+      : open_(open), events_(events), y_(y + 0.5), z_(z + 0.5), mask_(mask), out_(out), first_(out.size()) {}
 
   /// Up to voxel `end`, where the whole number nearest to the caps' share is known.
   void plain(std::uint32_t end, std::int32_t whole, std::int32_t unsure) {
     while (x_ < end) {
       pass_events();
       const std::uint32_t next = next_ < events_.size() ? std::min(end, events_[next_].x) : end;
-      emit(x_, next, closed_ != whole);
-      if (unsure != 0 && (closed_ == whole || closed_ == whole + unsure)) unsure_ += next - x_;
+      emit(x_, next, closed_ - whole);
+      if (solid(closed_ - whole) != solid(closed_ - whole - unsure)) unsure_ += next - x_;
       x_ = next;
     }
   }
@@ -44,7 +45,16 @@ class Row {
   [[nodiscard]] std::uint64_t unsure() const { return unsure_; }
 
  private:
-  static double margin(double winding) { return std::abs(std::abs(winding) - 0.5); }
+  /// How far a winding number is from rounding the other way.
+  static double margin(double winding) { return 0.5 - std::abs(winding - std::nearbyint(winding)); }
+
+  [[nodiscard]] bool solid(std::int32_t winding) const { return (winding & mask_) != 0; }
+
+  /// Whether a winding number could as well be rounded to what decides otherwise.
+  [[nodiscard]] bool unsure(double winding) const {
+    const std::int32_t near = std::int32_t(std::nearbyint(winding));
+    return margin(winding) < kUnsure && solid(near) != solid(near + (winding > near ? 1 : -1));
+  }
 
   void pass_events() {
     for (; next_ < events_.size() && events_[next_].x <= x_; ++next_) {
@@ -53,8 +63,8 @@ class Row {
     }
   }
 
-  void emit(std::uint32_t begin, std::uint32_t end, bool inside) {
-    if (!inside || begin == end) return;
+  void emit(std::uint32_t begin, std::uint32_t end, std::int32_t winding) {
+    if (!solid(winding) || begin == end) return;
     if (out_.size() > first_ && out_.back().end == begin)
       out_.back().end = end;
     else
@@ -80,8 +90,8 @@ class Row {
         pass_events();
         const std::uint32_t next = next_ < events_.size() ? std::min(last, events_[next_].x) : last;
         const double here = winding + (mesh_ - before);
-        if (margin(here) < kUnsure) unsure_ += next - x_;
-        emit(x_, next, std::abs(here) > 0.5);
+        if (unsure(here)) unsure_ += next - x_;
+        emit(x_, next, std::int32_t(std::nearbyint(here)));
         x_ = next;
       }
       return true;
@@ -101,16 +111,17 @@ class Row {
                      [&](double tolerance) { return refine(open_.caps(centre, tolerance)); }) &&
         !refine(open_.caps_summed(centre)) && error > kUnsure)
       refine(open_.caps_summed(centre + kMove));
-    if (margin(winding) < kUnsure) ++unsure_;
+    if (unsure(winding)) ++unsure_;
     // On the half-way surface itself the caps decide, which are exact: so solids that share a plane
     // partition it.
-    emit(x_, x_ + 1, margin(winding) > error ? std::abs(winding) > 0.5 : closed_ != 0);
+    emit(x_, x_ + 1, margin(winding) > error ? std::int32_t(std::nearbyint(winding)) : closed_);
     ++x_;
   }
 
   const OpenSolid& open_;
   std::span<const Scanline::Event> events_;
   double y_, z_;
+  std::int32_t mask_;
   std::vector<Interval>& out_;
   std::size_t first_, next_ = 0;
   std::uint32_t x_ = 0;
@@ -121,8 +132,9 @@ class Row {
 }  // namespace
 
 std::uint64_t decide_open_row(const OpenSolid& open, std::span<const Scanline::Event> events, std::uint32_t y,
-                              std::uint32_t z, std::uint32_t x_end, std::vector<Interval>& out) {
-  Row row(open, events, y, z, out);
+                              std::uint32_t z, std::uint32_t x_end, std::int32_t mask,
+                              std::vector<Interval>& out) {
+  Row row(open, events, y, z, mask, out);
   for (const OpenSolid::Stretch& stretch : open.stretches(y, z)) {
     row.plain(stretch.begin, 0, 0);
     if (stretch.evaluate)

@@ -6,7 +6,6 @@
 
 #include "sdk/core/parallel.h"
 #include "sdk/membership/cap.h"
-#include "sdk/membership/mesh_topology.h"
 
 namespace mesocell {
 namespace {
@@ -33,15 +32,13 @@ std::vector<CapGradient::Cap> places(const std::vector<Vec3>& vertices, const st
 
 }  // namespace
 
-OpenSolid::OpenSolid(const TriangleMesh& mesh, const Index3& size, unsigned threads, const Progress* progress)
+OpenSolid::OpenSolid(const TriangleMesh& mesh, const std::vector<std::array<std::uint32_t, 2>>& chain,
+                     const Index3& size, unsigned threads, const Progress* progress)
     : closed_{mesh.vertices, mesh.triangles, {}},
       size_(size),
       mesh_triangles_(mesh.triangles.size()),
       caps_({}),
       gradient_({}) {
-  const std::vector<std::array<std::uint32_t, 2>> chain = boundary_chain(merge_corners(mesh));
-  boundary_edges_ = chain.size();
-  if (chain.empty()) return;
   const std::vector<Cap> caps = cap_boundary(mesh.vertices, chain);
   const std::vector<CapGradient::Cap> placed = places(mesh.vertices, caps);
   std::vector<std::array<Vec3, 3>> triangles;

@@ -23,20 +23,15 @@ namespace mesocell {
 /// the caps, and costs time near holes only, as the area of their half-way surfaces.
 class OpenSolid {
  public:
-  /// `mesh` in voxel units, of any topology; `size`: of the grid, voxels. Cancelled, it is left without
-  /// stretches.
-  OpenSolid(const TriangleMesh& mesh, const Index3& size, unsigned threads = 0,
-            const Progress* progress = nullptr);
+  /// `mesh` in voxel units, of any topology, and `chain`: its boundary, see boundary_chain(); `size`: of the
+  /// grid, voxels. Cancelled, it is left without stretches.
+  OpenSolid(const TriangleMesh& mesh, const std::vector<std::array<std::uint32_t, 2>>& chain,
+            const Index3& size, unsigned threads = 0, const Progress* progress = nullptr);
 
   /// The mesh and behind its triangles the caps. Closed.
   [[nodiscard]] const TriangleMesh& closed() const { return closed_; }
   /// Triangles of closed() that are of the mesh.
   [[nodiscard]] std::size_t mesh_triangles() const { return mesh_triangles_; }
-  /// Whether the mesh was closed by itself, so that there is nothing to evaluate.
-  [[nodiscard]] bool was_closed() const { return boundary_edges_ == 0; }
-  /// Edges of the mesh's boundary, as often as it runs along them.
-  [[nodiscard]] std::size_t boundary_edges() const { return boundary_edges_; }
-
   /// Voxels [begin, end) of a row along x.
   struct Stretch {
     std::uint32_t begin, end;
@@ -70,7 +65,7 @@ class OpenSolid {
 
   TriangleMesh closed_;
   Index3 size_;
-  std::size_t mesh_triangles_ = 0, boundary_edges_ = 0;
+  std::size_t mesh_triangles_ = 0;
   WindingField caps_;
   CapGradient gradient_;
   /// Rows of blocks of kBlock² rows: (y, z) / kBlock has stretches_[first_[r]] … stretches_[first_[r + 1]].

@@ -47,8 +47,12 @@ Crossing cross_edge(const Vec3& p, const Vec3& q, double z) {
 }  // namespace
 
 Scanline::Scanline(const TriangleMesh& mesh, const Index3& resolution, const Index3& tiles,
-                   const OpenSolid* open)
-    : mesh_(mesh), open_(open), resolution_(resolution), tiles_(tiles) {
+                   const OpenSolid* open, SolidRule solid)
+    : mesh_(mesh),
+      open_(open),
+      mask_(solid == SolidRule::kEvenOdd ? 1 : -1),
+      resolution_(resolution),
+      tiles_(tiles) {
   // Bundles that a triangle's box meets, generously: which rows it meets is decided exactly later.
   const auto range = [&](double low, double high, std::size_t a, std::int64_t& first, std::int64_t& last) {
     const double r = resolution_[a], n = tiles_[a];
@@ -158,7 +162,8 @@ void Scanline::bundle(std::uint32_t ty, std::uint32_t tz, Scratch& scratch, RowI
       const std::uint32_t y = rows.y0 + std::uint32_t(r) % resolution_[1],
                           z = rows.z0 + std::uint32_t(r) / resolution_[1];
       if (!open_->stretches(y, z).empty()) {
-        scratch.unsure += decide_open_row(*open_, {row + begin, row + end}, y, z, x_end, out.intervals);
+        scratch.unsure +=
+            decide_open_row(*open_, {row + begin, row + end}, y, z, x_end, mask_, out.intervals);
         begin = end;
         continue;
       }
@@ -167,12 +172,13 @@ void Scanline::bundle(std::uint32_t ty, std::uint32_t tz, Scratch& scratch, RowI
     std::uint32_t start = 0;
     for (std::uint32_t k = begin; k < end;) {
       const std::uint32_t x = row[k].x;
-      const bool was_inside = winding != 0;
+      const bool was_inside = (winding & mask_) != 0;
       for (; k < end && row[k].x == x; ++k) winding += row[k].delta;
-      if (!was_inside && winding != 0) start = x;
-      if (was_inside && winding == 0) out.intervals.push_back({start, x});
+      const bool inside = (winding & mask_) != 0;
+      if (!was_inside && inside) start = x;
+      if (was_inside && !inside) out.intervals.push_back({start, x});
     }
-    if (winding != 0) out.intervals.push_back({start, x_end});
+    if ((winding & mask_) != 0) out.intervals.push_back({start, x_end});
     begin = end;
   }
   first[row_count] = std::uint32_t(out.intervals.size());

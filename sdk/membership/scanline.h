@@ -7,6 +7,7 @@
 #include "format/api.h"
 #include "format/cell_object.h"
 #include "sdk/core/triangle_mesh.h"
+#include "sdk/membership/solid.h"
 
 namespace mesocell MESOCELL_INTERNAL_API {
 
@@ -29,16 +30,17 @@ struct RowIntervals {
 
 /// Inside and outside of a closed mesh at voxel centres, row by row, exactly.
 ///
-/// A voxel is inside if the winding number of the mesh about its centre p is not zero, where p stands for
-/// p + (ε, ε², ε³) with ε → 0+, so that no centre lies on the surface. [spec 4.3] Rows run along x; every
-/// decision that rounding could turn is left to exact predicates.
+/// A voxel is inside if the winding number of the mesh about its centre p is solid by the rule, where p
+/// stands for p + (ε, ε², ε³) with ε → 0+, so that no centre lies on the surface. [spec 4.3] Rows run along
+/// x; every decision that rounding could turn is left to exact predicates.
 class Scanline {
  public:
   /// `mesh` is in voxel units, closed, its coordinates below 2^40; it is kept by reference. `resolution`:
   /// voxels of a tile, whose rows make a bundle; `tiles`: of the grid. `open`: that `mesh` is the closed()
-  /// of, whose winding number then decides; null if the mesh is closed by itself.
+  /// of, whose winding number then decides; null if the mesh is closed by itself. `solid`: kOuter counts as
+  /// kNonzero, components are turned before.
   Scanline(const TriangleMesh& mesh, const Index3& resolution, const Index3& tiles,
-           const OpenSolid* open = nullptr);
+           const OpenSolid* open = nullptr, SolidRule solid = SolidRule::kNonzero);
 
   /// The rows of the tiles (·, ty, tz): row y + resolution_y · z, with y, z counted from the bundle's first.
   /// Thread safety: const; `out` and `scratch` belong to the caller and are reused between calls.
@@ -67,6 +69,7 @@ class Scanline {
 
   const TriangleMesh& mesh_;
   const OpenSolid* open_;
+  std::int32_t mask_;  ///< of the bits of a winding number that make it solid
   Index3 resolution_, tiles_;
   // Triangles by bundle: bundle b has triangles_[first_[b]] … triangles_[first_[b + 1]].
   std::vector<std::uint64_t> first_;
