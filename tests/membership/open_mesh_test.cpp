@@ -11,7 +11,6 @@
 #include "sdk/membership/membership.h"
 #include "sdk/membership/mesh_topology.h"
 #include "sdk/membership/open_solid.h"
-#include "sdk/tiles/tile_spec.h"
 #include "tests/support/catch.h"
 #include "tests/support/membership_oracle.h"
 #include "tests/support/shapes.h"
@@ -21,8 +20,8 @@ using namespace mesocell::test;
 
 namespace {
 
-/// The generalized winding number from its definition: all solid angles, in long double. The point is moved a little
-/// into the direction that counts for points on the surface.
+/// The generalized winding number from its definition: all solid angles, in long double. The point is moved a
+/// little into the direction that counts for points on the surface.
 long double winding_by_definition(const TriangleMesh& mesh, Vec3 p) {
   constexpr long double kMove[3] = {1e-6L, 1e-9L, 1e-12L};
   long double sum = 0;
@@ -44,38 +43,24 @@ long double winding_by_definition(const TriangleMesh& mesh, Vec3 p) {
   return sum / (4 * std::numbers::pi_v<long double>);
 }
 
-/// Each voxel is a cell of its own, so that tags tell of every voxel.
-TileMap voxel_tile() {
-  const Result<TileMap> tile = make_tile(*parse_recipe("voronoi:cells=64,resolution=4"));
-  REQUIRE(tile.ok());
-  TileMap single;
-  single.resolution = {4, 4, 4};
-  single.cell_count = 64;
-  for (std::uint16_t cell = 1; cell <= 64; ++cell) {
-    single.pieces.push_back({cell, {}});
-    single.voxel_ids.push_back(std::uint8_t(cell));
-  }
-  return single;
-}
-
 struct Compared {
   std::uint64_t wrong = 0, ties = 0, inside = 0, unsure = 0;
 };
 
 /// Compares every voxel of a grid of n tiles of 4³ voxels.
 Compared compare(const TriangleMesh& mesh, std::uint32_t tiles) {
-  const TileMap tile = voxel_tile();
+  const TileMap tile = single_voxel_cells({4, 4, 4});
   MembershipReport report;
   const Result<MembershipMap> map = compute_membership(mesh, {tiles, tiles, tiles}, tile, {}, &report);
   REQUIRE(map.ok());
   Compared c;
   c.unsure = report.unsure_voxels;
+  const std::vector<bool> found = inside_voxels(*map, tile);
+  std::size_t voxel = 0;
   for (std::uint32_t z = 0; z < 4 * tiles; ++z)
     for (std::uint32_t y = 0; y < 4 * tiles; ++y)
       for (std::uint32_t x = 0; x < 4 * tiles; ++x) {
-        const std::uint64_t t = x / 4 + std::uint64_t{tiles} * (y / 4 + std::uint64_t{tiles} * (z / 4));
-        const std::uint32_t cell = 1 + x % 4 + 4 * (y % 4 + 4 * (z % 4));
-        const bool inside = map->tag(t, cell) == Tag::kInside;
+        const bool inside = found[voxel++];
         const long double w = std::abs(winding_by_definition(mesh, {x + 0.5, y + 0.5, z + 0.5}));
         if (std::abs(w - 0.5L) < 1e-5L)
           ++c.ties;

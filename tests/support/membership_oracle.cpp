@@ -246,6 +246,33 @@ std::uint64_t wrong_tags(const MembershipMap& map, const std::vector<Tag>& expec
   return wrong;
 }
 
+TileMap single_voxel_cells(const Index3& resolution) {
+  TileMap tile;
+  tile.resolution = resolution;
+  tile.cell_count = std::uint32_t(tile.voxel_count());
+  tile.id_bytes = TileMap::id_bytes_for(tile.cell_count);
+  for (std::uint32_t cell = 1; cell <= tile.cell_count; ++cell) {
+    tile.pieces.push_back({std::uint16_t(cell), {}});
+    for (std::uint32_t b = 0; b < tile.id_bytes; ++b) tile.voxel_ids.push_back(std::uint8_t(cell >> (8 * b)));
+  }
+  return tile;
+}
+
+std::vector<bool> inside_voxels(const MembershipMap& map, const TileMap& tile) {
+  const Index3 size = voxels_of(map.tiles, tile), r = tile.resolution;
+  std::vector<bool> inside;
+  inside.reserve(std::size_t{size[0]} * size[1] * size[2]);
+  for (std::uint32_t z = 0; z < size[2]; ++z)
+    for (std::uint32_t y = 0; y < size[1]; ++y)
+      for (std::uint32_t x = 0; x < size[0]; ++x) {
+        const std::uint64_t t =
+            x / r[0] + std::uint64_t{map.tiles[0]} * (y / r[1] + std::uint64_t{map.tiles[1]} * (z / r[2]));
+        const std::uint32_t cell = 1 + x % r[0] + r[0] * (y % r[1] + r[1] * (z % r[2]));
+        inside.push_back(map.tag(t, cell) == Tag::kInside);
+      }
+  return inside;
+}
+
 Index3 voxels_of(const Index3& tiles, const TileMap& tile) {
   return {tiles[0] * tile.resolution[0], tiles[1] * tile.resolution[1], tiles[2] * tile.resolution[2]};
 }

@@ -31,6 +31,12 @@ namespace mesocell::test {
 /// How many tags of a map differ from such a list.
 [[nodiscard]] std::uint64_t wrong_tags(const MembershipMap& map, const std::vector<Tag>& expected);
 
+/// A tile in which each voxel is a cell of its own, so that tags tell of every voxel; at most 65 535 voxels.
+[[nodiscard]] TileMap single_voxel_cells(const Index3& resolution);
+
+/// Of such a tile's map, whether each voxel of the grid is INSIDE; x fastest.
+[[nodiscard]] std::vector<bool> inside_voxels(const MembershipMap& map, const TileMap& tile);
+
 /// Voxels of a grid along each axis.
 [[nodiscard]] Index3 voxels_of(const Index3& tiles, const TileMap& tile);
 
