@@ -20,8 +20,7 @@ Result<RepairedMesh> repair_mesh(const TriangleMesh& mesh, const RepairOptions& 
   const auto refused = [&](const char* remedy) {
     return Error{ErrorCode::kInvalidInput, describe(diagnosis) + remedy, "mesh-not-closed"};
   };
-  if (options.repair == Repair::kStrict)
-    return refused("; close it in a mesh editor, or let it be repaired");
+  if (options.repair == Repair::kStrict) return refused("; close it in a mesh editor, or let it be repaired");
   if (progress && progress->cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
   OrientedMesh oriented = orient(mesh);
   if (oriented.mesh.triangles.empty())
@@ -34,8 +33,7 @@ Result<RepairedMesh> repair_mesh(const TriangleMesh& mesh, const RepairOptions& 
   out.report.turned_triangles = oriented.turned;
   out.report.dropped_triangles = mesh.triangles.size() - oriented.mesh.triangles.size();
   if (oriented.turned + out.report.dropped_triangles > 0)
-    out.warnings.push_back({"mesh-oriented", std::to_string(oriented.turned) +
-                                                 " triangles were turned and " +
+    out.warnings.push_back({"mesh-oriented", std::to_string(oriented.turned) + " triangles were turned and " +
                                                  std::to_string(out.report.dropped_triangles) +
                                                  " left out, so that they agree on what is outside"});
   out.mesh = std::move(oriented.mesh);
