@@ -9,8 +9,10 @@
 #include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
+#include "sdk/author/repair.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
+#include "sdk/membership/diagnose.h"
 
 namespace mesocell MESOCELL_API {
 
@@ -27,52 +29,28 @@ struct GridOptions {
 [[nodiscard]] Result<GridLayout> lay_grid(const Box3& mesh_box, const Index3& tile_resolution,
                                           const GridOptions& options);
 
-/// How far a mesh that is not closed may be repaired; each includes what is before it.
-enum class Repair : std::uint8_t {
-  kStrict,   ///< not at all: it is refused
-  kOrient,   ///< triangles are turned and duplicates dropped, see orient(); it is refused if that does not
-             ///< close it
-  kWinding,  ///< what is inside is decided by the generalized winding number [Jacobson 2013]
-};
-
-/// What decided what is inside.
-enum class RepairRung : std::uint8_t { kNone, kOrient, kWinding };
-
-/// What was done to a mesh.
-struct RepairReport {
-  RepairRung rung = RepairRung::kNone;  ///< kNone: the mesh was closed and stayed as it is
-  std::uint64_t turned_triangles = 0;   ///< to run the other way
-  std::uint64_t dropped_triangles = 0;  ///< duplicates, and those with a repeated vertex
-  std::uint64_t boundary_edges = 0;     ///< that were left, as often as the boundary runs along them
-  std::uint64_t unsure_voxels = 0;      ///< of a winding number from 0.4 to 0.6
-};
-
 struct AuthorOptions {
   GridOptions grid = {};
-  Repair repair = Repair::kWinding;
+  RepairOptions repair = {};
   MembershipRule rule = MembershipRule::kCentre;
   unsigned threads = 0;  ///< 0: the machine's; the result does not depend on it
-};
-
-/// A remark that is no failure.
-struct Warning {
-  std::string id;
-  std::string text;
 };
 
 /// What authoring did and what it cost.
 struct AuthorReport {
   double voxelize_seconds = 0;  ///< diagnosis, inside/outside and tags
   double surface_seconds = 0;   ///< normals and colors
-  double mesh_volume = 0;       ///< metres³, of the basic mesh, absolute; 0 if it is not closed
+  double mesh_volume = 0;  ///< metres³, of the basic mesh as repaired, absolute; 0 if it is not closed or was
+                           ///< given a thickness
   double inside_volume = 0;     ///< metres³, of the voxels of INSIDE instances
   RepairReport repair;
+  MeshDiagnosis diagnosis;  ///< of the mesh that was given, see repair_mesh(); set on failure, too
   std::vector<Warning> warnings;
 };
 
 /// Makes a cell object from a mesh and a tile. A mesh that is not closed is repaired as far as the options
-/// allow, and the report says how. Errors: kInvalidInput with the diagnosis if the mesh may not be repaired
-/// or has no extent; kLimit; kCancelled.
+/// allow, and the report says how. Errors: those of repair_mesh(); kInvalidInput if the mesh has no extent or
+/// is open and has no cell inside; kUsage (a thickness with rule conservative); kLimit; kCancelled.
 [[nodiscard]] Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile,
                                                     const AuthorOptions& options,
                                                     AuthorReport* report = nullptr,
