@@ -57,6 +57,9 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->add_option("--repair", command.repair,
                   "How far a mesh that is not closed is repaired: strict, orient, winding, wrap or auto [auto]")
       ->type_name("CHOICE");
+  sub->add_option("--solid", command.solid,
+                  "What is solid of shells in and over one another: nonzero, even-odd or outer [nonzero]")
+      ->type_name("CHOICE");
   const auto metres = [&](const char* name, std::optional<double>& value, const char* help) {
     sub->add_option(name, value, help)->type_name("METRES");
   };
@@ -74,6 +77,8 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->footer(
       "Rules: by centre a cell is inside if all its voxels' centres are; by conservative the surface "
       "must not even touch one of its voxels.\n\n"
+      "Solid: by nonzero overlaps are united, and a shell in a shell is a cavity if it runs the other way; by "
+      "even-odd it is one whatever way it runs, and overlaps are hollow; by outer every shell is filled.\n\n"
       "Repair: strict refuses a mesh that is not closed; orient stitches cracks, turns triangles and drops "
       "duplicates, and refuses what that does not close; winding decides by the generalized winding number what is "
       "inside of what stays open; wrap replaces what stays open by its alpha wrap; auto takes the first of these that "

@@ -60,6 +60,7 @@ std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertP
   if (!tile.color_recipe.empty()) object.metadata.emplace_back("color", tile.color_recipe);
   if (report.repair.rung != RepairRung::kNone)
     object.metadata.emplace_back("repair", repair_text(report.repair));
+  if (plan.author.solid != SolidRule::kNonzero) object.metadata.emplace_back("solid", *command.solid);
   object.metadata.emplace_back("tile", tile.recipe);
   if (Status status = apply_colors(std::move(tile.colors), surface, object, plan.author.threads, &progress);
       !status)

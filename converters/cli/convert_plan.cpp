@@ -27,6 +27,14 @@ constexpr std::array<RepairRow, 5> kRepairs = {{{"strict", Repair::kStrict},
                                                 {"wrap", Repair::kWrap},
                                                 {"auto", Repair::kAuto}}};
 
+struct SolidRow {
+  std::string_view name;
+  SolidRule solid;
+};
+constexpr std::array<SolidRow, 3> kSolids = {{{"nonzero", SolidRule::kNonzero},
+                                              {"even-odd", SolidRule::kEvenOdd},
+                                              {"outer", SolidRule::kOuter}}};
+
 std::optional<Failure> check_files(const ConvertCommand& command, const ConvertPlan& plan) {
   if (has_extension(command.input, ".meso") && !tile_of_input(command.input))
     return usage(command.input, "converting from .meso is not available; the input must be a mesh: " +
@@ -85,6 +93,18 @@ std::optional<Failure> parse_repair(const ConvertCommand& command, RepairOptions
   return std::nullopt;
 }
 
+std::optional<Failure> parse_solid(const ConvertCommand& command, SolidRule& solid) {
+  const std::string name = command.solid.value_or("nonzero");
+  const auto row =
+      std::find_if(kSolids.begin(), kSolids.end(), [&](const SolidRow& r) { return r.name == name; });
+  if (row == kSolids.end())
+    return usage("--solid", "unknown choice '" + name + "'; there are: nonzero, even-odd, outer");
+  solid = row->solid;
+  if (command.thicken && solid != SolidRule::kNonzero)
+    return usage("--solid", "what --thicken makes overlaps, so it is solid by nonzero alone; leave one of them out");
+  return std::nullopt;
+}
+
 std::optional<Failure> parse_grid(const ConvertCommand& command, AuthorOptions& author) {
   const std::string rule_name = command.rule.value_or("centre");
   const std::optional<MembershipRule> rule = find_rule(rule_name);
@@ -125,6 +145,7 @@ void find_unused(const ConvertCommand& command, ConvertPlan& plan) {
     unused(command.tile.has_value(), "--tile", why);
     unused(command.rule.has_value(), "--rule", why);
     unused(command.repair.has_value(), "--repair", why);
+    unused(command.solid.has_value(), "--solid", why);
     unused(command.thicken.has_value(), "--thicken", why);
   }
   const Repair repair = plan.author.repair.repair;
@@ -148,6 +169,7 @@ std::optional<Failure> make_convert_plan(const ConvertCommand& command, ConvertP
   }
   if (auto failure = parse_grid(command, plan.author)) return failure;
   if (auto failure = parse_repair(command, plan.author.repair)) return failure;
+  if (auto failure = parse_solid(command, plan.author.solid)) return failure;
   find_unused(command, plan);
   return check_files(command, plan);
 }

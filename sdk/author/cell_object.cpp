@@ -124,7 +124,8 @@ Result<Voxelization> voxelize(const TriangleMesh& mesh, const TileMap& tile, con
           "the mesh reaches more than 2^40 voxels beyond the grid; use a larger box or larger tiles"};
 
   Result<MembershipMap> membership =
-      compute_membership(voxel_mesh, grid->tiles, tile, {.rule = options.rule, .threads = options.threads},
+      compute_membership(voxel_mesh, grid->tiles, tile,
+                         {.rule = options.rule, .solid = options.solid, .threads = options.threads},
                          &out.report, progress);
   if (!membership) return membership.error();
   out.membership = std::move(*membership);

@@ -13,6 +13,7 @@
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
 #include "sdk/membership/diagnose.h"
+#include "sdk/membership/solid.h"
 
 namespace mesocell MESOCELL_API {
 
@@ -32,6 +33,7 @@ struct GridOptions {
 struct AuthorOptions {
   GridOptions grid = {};
   RepairOptions repair = {};
+  SolidRule solid = SolidRule::kNonzero;  ///< a thickness needs kNonzero, as what it makes overlaps
   MembershipRule rule = MembershipRule::kCentre;
   unsigned threads = 0;  ///< 0: the machine's; the result does not depend on it
 };
@@ -50,7 +52,7 @@ struct AuthorReport {
 
 /// Makes a cell object from a mesh and a tile. A mesh that is not closed is repaired as far as the options
 /// allow, and the report says how. Errors: those of repair_mesh(); kInvalidInput if the mesh has no extent or
-/// is open and has no cell inside; kUsage (a thickness with rule conservative); kLimit; kCancelled.
+/// is open and has no cell inside; kUsage (a thickness with rule conservative or another solid than kNonzero); kLimit; kCancelled.
 [[nodiscard]] Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile,
                                                     const AuthorOptions& options,
                                                     AuthorReport* report = nullptr,
