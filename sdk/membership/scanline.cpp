@@ -79,7 +79,6 @@ Scanline::Scanline(const TriangleMesh& mesh, const Index3& resolution, const Ind
 
 void Scanline::add_triangle(std::uint32_t index, const Rows& rows, std::vector<Event>& events) const {
   const Triangle& triangle = mesh_.triangles[index];
-  const std::uint16_t of_cap = open_ && index >= open_->mesh_triangles() ? 1 : 0;
   const Vec3 v[3] = {mesh_.vertices[triangle[0]], mesh_.vertices[triangle[1]], mesh_.vertices[triangle[2]]};
   const double z_min = std::min({v[0].z, v[1].z, v[2].z}), z_max = std::max({v[0].z, v[1].z, v[2].z});
   const double z_first = std::max(std::ceil(z_min - 0.5), double(rows.z0));
@@ -130,7 +129,7 @@ void Scanline::add_triangle(std::uint32_t index, const Rows& rows, std::vector<E
       }
       if (i >= x_end) continue;
       const std::uint32_t row = std::uint32_t(j - y_first) + resolution_[1] * (std::uint32_t(k) - rows.z0);
-      events.push_back({row, std::uint32_t(std::max(i, 0.0)), delta, of_cap});
+      events.push_back({row, std::uint32_t(std::max(i, 0.0)), delta});
     }
   }
 }
@@ -161,7 +160,7 @@ void Scanline::bundle(std::uint32_t ty, std::uint32_t tz, Scratch& scratch, RowI
     if (open_) {
       const std::uint32_t y = rows.y0 + std::uint32_t(r) % resolution_[1],
                           z = rows.z0 + std::uint32_t(r) / resolution_[1];
-      if (!open_->stretches(y, z).empty()) {
+      if (!open_->is_plain(y, z)) {
         scratch.unsure +=
             decide_open_row(*open_, {row + begin, row + end}, y, z, x_end, mask_, out.intervals);
         begin = end;

@@ -47,7 +47,6 @@ class Scanline {
   struct Event {
     std::uint32_t row, x;
     std::int16_t delta;
-    std::uint16_t of_cap;  ///< 1 if the triangle only closes an open mesh
   };
   struct Scratch {
     std::vector<Event> events, sorted;

@@ -116,6 +116,18 @@ class ShareSum {
   double angle_ = 0, error_ = 0, real_ = 1, imaginary_ = 0;
 };
 
+/// How a triangle's share changes with p, off the triangle's edges. [Biot-Savart, edge by edge]
+Vec3 share_gradient(const std::array<Vec3, 3>& triangle, Vec3 p) {
+  Vec3 sum;
+  for (std::size_t e = 0; e < 3; ++e) {
+    const Vec3 a = triangle[e] - p, b = triangle[(e + 1) % 3] - p;
+    const double la = length(a), lb = length(b);
+    const double divisor = la * lb * (la * lb + dot(a, b));
+    if (divisor > 0) sum = sum + cross(a, b) * ((la + lb) / divisor);
+  }
+  return sum / kSphere;
+}
+
 }  // namespace
 
 WindingField::WindingField(const std::vector<std::array<Vec3, 3>>& triangles) {
@@ -199,6 +211,71 @@ WindingField::Value WindingField::approximate(Vec3 p, double tolerance) const {
   }
   const Value shares = near.total();
   return {value.winding + shares.winding, value.error + shares.error};
+}
+
+void WindingField::localize(const Box3& box, double tolerance, Local& local) const {
+  const Vec3 centre = (box.min + box.max) / 2;
+  const double radius = length(box.extent()) / 2;
+  ShareSum shares;
+  local.centre = centre;
+  local.gradient = {};
+  local.winding = local.error = 0;
+  local.near.clear();
+  if (nodes_.empty()) return;
+  std::array<std::uint32_t, 64> stack;
+  std::size_t size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const Node& node = nodes_[stack[--size]];
+    const Vec3 d = node.centre - centre;
+    const double squared = dot(d, d), distance = std::sqrt(squared), gap = distance - node.radius - radius;
+    if (gap > 0) {
+      // As in approximate(), where the place in the ball adds to that on the surface; twice the squares bound
+      // that of the sum.
+      const double moment = node.moment_root * node.moment_root;
+      const double error =
+          2 * (moment * moment + 3 * node.area * radius * radius / kSphere) / (gap * gap * gap * gap);
+      if (error < tolerance) {
+        const std::array<double, 9>& m = node.quadrupole;
+        const Vec3 md{m[0] * d.x + m[1] * d.y + m[2] * d.z, m[3] * d.x + m[4] * d.y + m[5] * d.z,
+                      m[6] * d.x + m[7] * d.y + m[8] * d.z};
+        const double cube = squared * distance * kSphere, along = dot(node.dipole, d);
+        local.winding += (along + m[0] + m[4] + m[8] - 3 * dot(md, d) / squared) / cube;
+        local.gradient = local.gradient + (d * (3 * along / squared) - node.dipole) / cube;
+        local.error += error;
+        continue;
+      }
+    }
+    if (node.left == 0) {
+      for (std::uint32_t t = node.begin; t < node.end; ++t) {
+        const std::array<Vec3, 3>& triangle = triangles_[t];
+        // The second derivative of a share: that of a dipole layer, of the triangle or of its whole plane.
+        const double squares = std::pow(distance_bound(triangle, box), 2);
+        const double area = length(cross(triangle[1] - triangle[0], triangle[2] - triangle[0])) / 2;
+        const double error = radius * radius / 2 * std::min(6 * area / kSphere / squares, 1.5) / squares;
+        if (!(error < tolerance)) {
+          local.near.push_back(t);
+          continue;
+        }
+        shares.add(triangle, centre);
+        local.gradient = local.gradient + share_gradient(triangle, centre);
+        local.error += error;
+      }
+      continue;
+    }
+    stack[size++] = node.left;
+    stack[size++] = node.right;
+  }
+  const Value total = shares.total();
+  local.winding += total.winding;
+  local.error += total.error;
+}
+
+WindingField::Value WindingField::at(const Local& local, Vec3 p) const {
+  ShareSum near;
+  for (const std::uint32_t t : local.near) near.add(triangles_[t], p);
+  const Value shares = near.total();
+  return {local.winding + dot(local.gradient, p - local.centre) + shares.winding, local.error + shares.error};
 }
 
 WindingField::Value WindingField::sum(Vec3 p) const {

@@ -26,6 +26,18 @@ class WindingField {
   /// All triangles one by one.
   [[nodiscard]] Value sum(Vec3 p) const;
 
+  /// The field in a box: far parts by what they and their gradients are at its centre, near triangles by
+  /// themselves.
+  struct Local {
+    Vec3 centre, gradient;
+    double winding = 0, error = 0;
+    std::vector<std::uint32_t> near;
+  };
+  /// Far are those that are off by less than `tolerance` in the whole box. `local` is overwritten.
+  void localize(const Box3& box, double tolerance, Local& local) const;
+  /// At a point of the box.
+  [[nodiscard]] Value at(const Local& local, Vec3 p) const;
+
   /// The most that the field can be in magnitude at any point of a box; the search ends beyond `enough`.
   [[nodiscard]] double bound(const Box3& box, double enough) const;
   /// Whether the box meets no triangle for certain.
