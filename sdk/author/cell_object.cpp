@@ -155,6 +155,9 @@ Result<Voxelization> repair_and_voxelize(const TriangleMesh& given, const TileMa
   if (!bounds_nothing()) return found;
   if (options.repair.repair == Repair::kAuto && options.repair.wrapper) {
     Result<Voxelization> wrapped = attempt(Repair::kWrap);
+    if (wrapped.ok() && wrapped->has_cells)
+      repaired.warnings.push_back({"mesh-bounds-nothing", "no cell fits inside of what its winding number calls "
+                                                          "inside, so its wrap was taken"});
     if (wrapped.ok() ? wrapped->has_cells : wrapped.error().code == ErrorCode::kCancelled) return wrapped;
   }
   return Error{ErrorCode::kInvalidInput,
