@@ -139,6 +139,7 @@ Result<Voxelization> repair_and_voxelize(const TriangleMesh& given, const TileMa
   const auto attempt = [&](Repair repair) -> Result<Voxelization> {
     RepairOptions repair_options = options.repair;
     repair_options.repair = repair;
+    repair_options.threads = options.threads;
     Result<RepairedMesh> result = repair_mesh(given, repair_options, progress, &out.diagnosis);
     if (!result) return result.error();
     repaired = std::move(*result);
