@@ -209,3 +209,29 @@ TEST_CASE("files with every defect become solids or are refused for a reason") {
     CHECK(outcome(r.convert(*path, {"--thicken", std::to_string(0.15 * side)})) == expected.thickened);
   }
 }
+
+TEST_CASE("what is solid of shells in one another can be chosen, and is kept") {
+  const Repairs r;
+  TriangleMesh mesh = make_sphere({0, 0, 0}, 1, 16);
+  append(mesh, make_sphere({0, 0, 0}, 0.6, 16));
+  TriangleMesh cavity = make_sphere({0, 0, 0}, 0.3, 16);
+  flip(cavity);
+  append(mesh, cavity);
+  const std::string input = r.write("shells.off", mesh);
+  const auto inside = [&](const std::vector<std::string>& more) {
+    const json result = r.convert(input, more).json();
+    CHECK((more.empty() || more[1] == "nonzero") == !result["metadata"].contains("solid"));
+    return result["instances"]["inside"].get<int>();
+  };
+  const int nonzero = inside({});
+  CHECK(inside({"--solid", "nonzero"}) == nonzero);
+  // Twice solid in the middle, so that the cavity leaves one.
+  CHECK(inside({"--solid", "outer"}) == nonzero);
+  CHECK(inside({"--solid", "even-odd"}) < nonzero * 0.9);
+  Run run = r.convert(input, {"--solid", "odd"});
+  CHECK(run.exit == 2);
+  CHECK(run.err.find("nonzero, even-odd, outer") != std::string::npos);
+  run = r.convert(input, {"--solid", "even-odd", "--thicken", "0.1"});
+  CHECK(run.exit == 2);
+  CHECK(run.err.find("--thicken") != std::string::npos);
+}
