@@ -19,6 +19,8 @@ constexpr std::size_t kMostTriangles = std::size_t{1} << 25;
 /// Wedges are divided until they are no wider than 45°, whose cosine this is less rounding: their chords are
 /// then at least cos 22.5° = 0.924 of the radius away.
 constexpr double kWidestWedge = 0.7;
+/// Of normals from their mean, by cosine: about 22.5°.
+constexpr double kWithinCap = 0.924;
 /// A bend that leaves a slit narrower than this share of the radius is none.
 constexpr double kNoBend = 1e-9;
 
@@ -84,7 +86,7 @@ class Thickener {
 
   Status run(const Progress* progress) {
     std::size_t done = 0;
-    const std::size_t all = triangles_.size() + edges_.size() + vertices_.size();
+    const std::size_t all = triangles_.size() + 2 * edges_.size() + vertices_.size();
     const auto stop = [&]() -> Status {
       if (out_.triangles.size() > kMostTriangles)
         return Error{ErrorCode::kLimit, "its thickened surface would have more than " +
@@ -99,16 +101,21 @@ class Thickener {
       if (Status status = stop(); !status) return status;
       if (open_[t]) add_plate(triangles_[t]);
     }
-    std::vector<bool> bends(vertices_.size(), false);
+    corners_.resize(vertices_.size());
     for (std::size_t e = 0; e < edges_.size(); ++e) {
       if (Status status = stop(); !status) return status;
-      const EdgeUse& use = edges_[e][0];
-      if (open_[use.triangle] && add_wedges(edges_[e])) bends[use.low] = bends[use.high] = true;
+      if (open_[edges_[e][0].triangle]) add_wedges(edges_[e]);
+    }
+    find_smooth_corners();
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+      if (Status status = stop(); !status) return status;
+      if (open_[edges_[e][0].triangle]) add_caps(edges_[e]);
     }
     const TriangleMesh ball = make_ball();
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
       if (Status status = stop(); !status) return status;
-      if (bends[v]) add_ball(ball, vertices_[v]);
+      const Corner& corner = corners_[v];
+      if ((corner.up || corner.down) && !corner.smooth) add_ball(ball, vertices_[v]);
     }
     return {};
   }
@@ -144,8 +151,8 @@ class Thickener {
   }
 
   /// What is nearest to an edge: seen along it, the directions at a right angle or more from all its
-  /// triangles, which is one wedge or nothing. Whether there is one.
-  bool add_wedges(std::span<const EdgeUse> uses) {
+  /// triangles, which is one wedge or nothing.
+  void add_wedges(std::span<const EdgeUse> uses) {
     const Vec3 p = vertices_[uses[0].low], q = vertices_[uses[0].high];
     const Vec3 along = normalize(q - p);
     std::vector<Vec3> into;  // from the edge into its triangles, at right angles to it
@@ -162,7 +169,8 @@ class Thickener {
       other[axis] = 1;
       const Vec3 x = normalize(cross(along, other)), y = cross(along, x);
       for (const auto& [from, to] : {std::pair{x, y}, {y, -x}, {-x, -y}, {-y, x}}) divide(p, q, from, to, {});
-      return true;
+      bend(uses, {});
+      return;
     }
     // By angle from the first, counter-clockwise about the edge.
     const Vec3 x = into[0], y = cross(along, x);
@@ -186,9 +194,61 @@ class Thickener {
       const Vec3 from = cross(along, u), to = -cross(along, v);
       if (length(from - to) <= kNoBend && dot(u, v) < 0) continue;
       divide(p, q, from, to, normalize(-(u + v)));
-      return true;
+      bend(uses, from + to);
+      return;
     }
-    return false;
+  }
+
+  /// Notes at an edge's ends that it has a wedge, in this direction.
+  void bend(std::span<const EdgeUse> uses, Vec3 direction) {
+    const bool up = dot(direction, normal(triangles_[uses[0].triangle])) > 0;
+    for (const std::uint32_t v : {uses[0].low, uses[0].high}) {
+      corners_[v].up = corners_[v].up || up;
+      corners_[v].down = corners_[v].down || !up;
+    }
+  }
+
+  /// Vertices within the surface about which it is nearly flat: all triangles there agree in orientation and
+  /// have normals within 22.5° of their mean.
+  void find_smooth_corners() {
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+      const std::span<const EdgeUse> uses = edges_[e];
+      if (uses.size() != 2 || balance(uses) != 0)
+        corners_[uses[0].low].smooth = corners_[uses[0].high].smooth = false;
+    }
+    for (std::size_t t = 0; t < triangles_.size(); ++t)
+      if (open_[t])
+        for (const std::uint32_t v : triangles_[t])
+          corners_[v].mean = corners_[v].mean + normal(triangles_[t]);
+    for (Corner& corner : corners_) corner.mean = normalize(corner.mean);
+    for (std::size_t t = 0; t < triangles_.size(); ++t)
+      if (open_[t])
+        for (const std::uint32_t v : triangles_[t])
+          if (!(dot(corners_[v].mean, normal(triangles_[t])) >= kWithinCap)) corners_[v].smooth = false;
+  }
+
+  /// What is nearest to a smooth corner: there the surface is a graph over a plane, and the directions from
+  /// the corner that are nearest to it alone are supporting planes' normals. The normals of its triangles, in
+  /// turn, wind about each of them, so tetrahedra from the corner to two in turn and the mean one cover them.
+  void add_caps(std::span<const EdgeUse> uses) {
+    if (uses.size() != 2) return;
+    const Vec3 a = normal(triangles_[uses[0].triangle]), b = normal(triangles_[uses[1].triangle]);
+    for (const std::uint32_t v : {uses[0].low, uses[0].high}) {
+      const Corner& corner = corners_[v];
+      if (!corner.smooth) continue;
+      if (corner.up) add_tetrahedron(vertices_[v], a, b, corner.mean);
+      if (corner.down) add_tetrahedron(vertices_[v], -a, -b, -corner.mean);
+    }
+  }
+
+  void add_tetrahedron(Vec3 at, Vec3 a, Vec3 b, Vec3 c) {
+    const double volume = dot(a, cross(b, c));
+    if (volume == 0) return;
+    if (volume < 0) std::swap(a, b);
+    const auto v = std::uint32_t(out_.vertices.size());
+    out_.vertices.insert(out_.vertices.end(), {at, at + a * radius_, at + b * radius_, at + c * radius_});
+    out_.triangles.insert(out_.triangles.end(),
+                          {{v + 1, v + 2, v + 3}, {v, v + 2, v + 1}, {v, v + 3, v + 2}, {v, v + 1, v + 3}});
   }
 
   /// Wedges from one direction to another, counter-clockwise about the edge. `middle` is used where their sum
@@ -212,12 +272,19 @@ class Thickener {
       out_.triangles.push_back({first + t[0], first + t[1], first + t[2]});
   }
 
+  struct Corner {
+    Vec3 mean;                      ///< of the normals of its triangles
+    bool up = false, down = false;  ///< has edges with wedges on that side of their first triangle
+    bool smooth = true;             ///< see find_smooth_corners()
+  };
+
   const std::vector<Vec3>& vertices_;
   const std::vector<Triangle> triangles_;
   const EdgeTable edges_;
   const double radius_;
   TriangleMesh& out_;
-  std::vector<bool> open_;  ///< triangles of open components
+  std::vector<bool> open_;       ///< triangles of open components
+  std::vector<Corner> corners_;  ///< by vertex
 };
 
 }  // namespace

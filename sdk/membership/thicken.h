@@ -18,7 +18,7 @@ struct ThickenedMesh {
 /// Replaces the open components of a mesh, those that hang together by edges and have one that is not run
 /// along equally often in both directions, by what is within thickness / 2 of them: a plate with round rims.
 /// The result is closed, a union of convex polyhedra of winding number 1 that overlap: a prism about each
-/// triangle, wedges along edges on the side where they bend away, and balls at the vertices of such edges. So
+/// triangle, wedges along edges on the side where they bend away, and tetrahedra or balls at their ends. So
 /// a point is in it if it is within thickness / 2 of the inner of a triangle or within 0.92 of that of the
 /// rest, and is not if it is farther than thickness / 2. Closed components stay as they are; they should be
 /// oriented outward, see orient(), as the pieces cancel what has the winding number -1. Vertices at identical

@@ -88,6 +88,23 @@ TEST_CASE("a thickened sheet is what is within half the thickness of it") {
   });
   check_by_distance(bowl, 0.15, 2, 1500);
   check_by_distance(bowl, 1.2, 3, 500);  // thicker than it is deep
+  // Smooth, with corners that are convex, concave and saddles; on both sides.
+  TriangleMesh ring = make_torus({0, 0, 0}, 2, 1, 40, 30);
+  ring.triangles.resize(ring.triangles.size() / 3);
+  check_by_distance(ring, 0.4, 4, 1500);
+  flip(ring);
+  check_by_distance(ring, 1.4, 5, 1500);
+  TriangleMesh waves;
+  Rng rng(6);
+  for (int y = 0; y < 12; ++y)
+    for (int x = 0; x < 12; ++x)
+      waves.vertices.push_back({x + 0.2 * rng.uniform(), double(y), 0.25 * rng.uniform()});
+  for (std::uint32_t y = 0; y < 11; ++y)
+    for (std::uint32_t x = 0; x < 11; ++x) {
+      const std::uint32_t v = x + 12 * y;
+      waves.triangles.insert(waves.triangles.end(), {{v, v + 1, v + 13}, {v, v + 13, v + 12}});
+    }
+  check_by_distance(waves, 1.5, 7, 4000);
 }
 
 TEST_CASE("a thickened soup with edges of many triangles is what is near it") {
