@@ -1,0 +1,185 @@
+#include "converters/cli/stability.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "converters/cli/commands.h"
+#include "converters/cli/progress_bar.h"
+#include "converters/import/mesh_file.h"
+#include "converters/stability/damage.h"
+#include "converters/stability/report.h"
+#include "format/file.h"
+
+namespace mesocell {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> words_of(const std::string& list) {
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t comma = std::min(list.find(',', begin), list.size());
+    if (comma > begin) words.push_back(list.substr(begin, comma - begin));
+    begin = comma + 1;
+  }
+  return words;
+}
+
+std::optional<Failure> find_methods(const std::string& list, std::vector<const Voxelizer*>& methods) {
+  for (const std::string& word : words_of(list)) {
+    const Voxelizer* const method = find_voxelizer(word);
+    if (!method)
+      return usage("--methods", "there is no method '" + word + "'; there are " + voxelizer_names());
+    methods.push_back(method);
+  }
+  if (methods.empty())
+    for (const Voxelizer& v : voxelizers()) methods.push_back(&v);
+  return std::nullopt;
+}
+
+/// "meshes/knot.off" gives "knot".
+std::string name_of(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  const std::string file = slash == path.npos ? path : path.substr(slash + 1);
+  return file.substr(0, file.rfind('.'));
+}
+
+std::optional<Failure> read_mesh(const std::string& path, const Progress& progress, TriangleMesh& mesh) {
+  Result<TriangleMesh> read = read_mesh_file(path, {}, nullptr, &progress);
+  if (!read) return Failure{read.error(), path};
+  mesh = std::move(read).value();
+  const Vec3 extent = bounding_box(mesh).extent();
+  if (!(extent.x > 0 && extent.y > 0 && extent.z > 0 && length(extent) < 1e100))
+    return Failure{
+        Error{ErrorCode::kInvalidInput, "it is flat or too large; give a mesh that encloses something"},
+        path};
+  return std::nullopt;
+}
+
+std::optional<Failure> make_cases(const StabilityCommand& command, const Progress& progress,
+                                  std::vector<StabilityCase>& cases) {
+  std::vector<NamedMesh> meshes;
+  for (const std::string& path : command.meshes) {
+    NamedMesh named{name_of(path), {}};
+    if (auto failure = read_mesh(path, progress, named.mesh)) return failure;
+    meshes.push_back(std::move(named));
+  }
+  if (meshes.empty()) meshes = clean_meshes();
+  cases = damage_cases(meshes, command.resolution);
+  if (command.meshes.empty())
+    std::ranges::move(geometry_cases(command.resolution), std::back_inserter(cases));
+  for (std::size_t k = 0; k + 1 < command.pairs.size(); k += 2) {
+    MeshPair pair{name_of(command.pairs[k]), {}, {}};
+    if (auto failure = read_mesh(command.pairs[k], progress, pair.broken)) return failure;
+    if (auto failure = read_mesh(command.pairs[k + 1], progress, pair.sound)) return failure;
+    cases.push_back(pair_case(pair, command.resolution));
+  }
+  const std::vector<std::string> words = words_of(command.cases);
+  if (words.empty()) return std::nullopt;
+  std::string names;
+  std::erase_if(cases, [&](const StabilityCase& c) {
+    if (("," + names + ",").find("," + c.name + ",") == std::string::npos)
+      names += (names.empty() ? "" : ",") + c.name;
+    return std::ranges::none_of(
+        words, [&](const std::string& word) { return c.row().starts_with(word) || c.group == word; });
+  });
+  if (cases.empty())
+    return usage("--cases", "no case begins with '" + command.cases + "'; there are " + names +
+                                ", and the groups clean, damage, geometry, pair");
+  return std::nullopt;
+}
+
+Json cell_json(const StabilityTable::Cell& cell) {
+  if (cell.failed || cell.too_long) return {{"outcome", cell.failed ? "failed" : "too-long"}};
+  return {{"outcome", "done"},
+          {"wrong", cell.voxels.wrong},
+          {"wrong_far", cell.voxels.wrong_far},
+          {"inside", cell.voxels.inside},
+          {"far", cell.voxels.far},
+          {"voxels", cell.voxels.voxels},
+          {"wrong_percent", cell.voxels.wrong_percent()},
+          {"wrong_far_percent", cell.voxels.wrong_far_percent()},
+          {"seconds", cell.seconds}};
+}
+
+Json table_json(const StabilityTable& table) {
+  Json json{{"kind", "voxelize"}, {"methods", table.methods}, {"cases", Json::array()}};
+  for (const StabilityTable::Row& row : table.rows) {
+    Json entry{{"group", row.group}, {"case", row.name}, {"results", Json::object()}};
+    for (std::size_t m = 0; m < table.methods.size(); ++m)
+      if (row.cells[m].measured) entry["results"][table.methods[m]] = cell_json(row.cells[m]);
+    json["cases"].push_back(std::move(entry));
+  }
+  return json;
+}
+
+std::optional<Failure> check(const StabilityCommand& command) {
+  if (!command.voxelize) return usage("stability", "say what to test: mesocell stability --voxelize");
+  if (!command.picture.empty() && !command.picture.ends_with(".svg"))
+    return usage("--picture", "'" + command.picture + "' is no .svg file; give its name that extension");
+  return std::nullopt;
+}
+
+std::optional<Failure> write_text(const std::string& path, const std::string& text, bool no_clobber) {
+  if (path.empty()) return std::nullopt;
+  if (const Status status = write_file(path, std::as_bytes(std::span(text)), no_clobber); !status)
+    return Failure{status.error(), path};
+  return std::nullopt;
+}
+
+std::string caption_of(const StabilityCommand& command) {
+  return std::to_string(command.resolution) + " voxels along the longest side; " +
+         (command.meshes.empty() ? "generated meshes" : "meshes given") +
+         ", figures of several meshes are joined";
+}
+
+}  // namespace
+
+std::string stability_methods_help() { return "Methods: " + voxelizer_names() + " [all]"; }
+
+std::string stability_help() {
+  std::string text = "Methods:\n";
+  for (const Voxelizer& v : voxelizers()) text += "  " + std::string(v.name) + ": " + v.description + "\n";
+  text += "\nDamage:\n";
+  for (const Damage& d : damages())
+    text += "  " + std::string(d.name) + ": " + d.description + "; strength in parts " + d.unit + "\n";
+  return text +
+         "\nWhat is truly inside is decided on the sound mesh: where its winding number is not 0, exactly. "
+         "Each method "
+         "runs in a process of its own; one that fails or takes too long is told as such.\n\n"
+         "Keys of --json: kind, methods, cases [group, case, results {METHOD {outcome (done, failed, "
+         "too-long), wrong, "
+         "wrong_far (over two voxels from the true surface), inside, far, voxels (of the grid), "
+         "wrong_percent (of "
+         "inside), wrong_far_percent (of far), seconds}}]\n\n"
+         "Example:\n  mesocell stability --voxelize --csv table.csv --markdown table.md --picture table.svg\n"
+         "  mesocell stability --voxelize --mesh bunny.off --cases holes,clean --methods openvdb,ours\n"
+         "  mesocell stability --voxelize --pair elephant-with-holes.off elephant.off --cases pair\n"
+         "  mesocell stability --voxelize --benchmark --mesh bunny.off --sizes 256,512,1024\n";
+}
+
+int run_stability(const StabilityCommand& command) {
+  const Console console(command.common);
+  if (const auto failure = check(command)) return console.fail(*failure);
+  std::vector<const Voxelizer*> methods;
+  if (const auto failure = find_methods(command.methods, methods)) return console.fail(*failure);
+  ProgressBar bar(!command.common.quiet);
+  std::vector<StabilityCase> cases;
+  if (const auto failure = make_cases(command, bar.progress(), cases)) return console.fail(*failure);
+  const Result<std::vector<StabilityResult>> results = measure_stability(
+      cases, methods, {.threads = command.common.threads, .max_seconds = command.max_seconds},
+      &bar.progress());
+  bar.finish();
+  if (!results) return console.fail(results.error(), "stability");
+  const StabilityTable table = tabulate(*results);
+  const std::string markdown = stability_markdown(table);
+  for (const auto& [path, text] :
+       {std::pair(command.csv, stability_csv(*results)), std::pair(command.markdown, markdown),
+        std::pair(command.picture, stability_heat_map(table, caption_of(command)))})
+    if (const auto failure = write_text(path, text, command.no_clobber)) return console.fail(*failure);
+  if (console.json()) return console.finish(table_json(table).dump(2) + "\n");
+  return console.finish(console.quiet() ? "" : markdown);
+}
+
+}  // namespace mesocell

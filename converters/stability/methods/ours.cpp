@@ -1,0 +1,49 @@
+// What `mesocell convert` does with a mesh by default: a closed one is taken as it is, any other is oriented
+// first, and what stays open is decided by its winding number.
+#include <algorithm>
+
+#include "converters/stability/voxelizer.h"
+#include "sdk/core/parallel.h"
+#include "sdk/membership/diagnose.h"
+#include "sdk/membership/open_solid.h"
+#include "sdk/membership/orient.h"
+#include "sdk/membership/scanline.h"
+
+namespace mesocell {
+
+Status voxelize_ours(const TriangleMesh& given, BitGrid& out, unsigned threads) {
+  OrientedMesh repaired;
+  const bool closed = diagnose(given).closed();
+  if (!closed) repaired = orient(given);
+  const TriangleMesh& mesh = closed ? given : repaired.mesh;
+
+  const Index3& size = out.size();
+  const Index3 resolution{64, 16, 16};
+  Index3 tiles, covered;
+  for (std::size_t a = 0; a < 3; ++a) {
+    tiles[a] = (size[a] + resolution[a] - 1) / resolution[a];
+    covered[a] = tiles[a] * resolution[a];
+  }
+  const OpenSolid open(mesh, covered);
+  const Scanline scanline(open.closed(), resolution, tiles, open.was_closed() ? nullptr : &open);
+  struct Worker {
+    Scanline::Scratch scratch;
+    RowIntervals intervals;
+  };
+  std::vector<Worker> workers(resolve_threads(threads));
+  parallel_for(std::size_t{tiles[1]} * tiles[2], unsigned(workers.size()), [&](std::size_t b, unsigned w) {
+    Worker& worker = workers[w];
+    const std::uint32_t ty = std::uint32_t(b % tiles[1]), tz = std::uint32_t(b / tiles[1]);
+    scanline.bundle(ty, tz, worker.scratch, worker.intervals);
+    for (std::uint32_t r = 0; r < resolution[1] * resolution[2]; ++r) {
+      const std::uint32_t y = ty * resolution[1] + r % resolution[1],
+                          z = tz * resolution[2] + r / resolution[1];
+      if (y >= size[1] || z >= size[2]) continue;
+      for (const Interval& i : worker.intervals.row(r))
+        if (i.begin < size[0]) out.set_run(y, z, i.begin, std::min(i.end, size[0]));
+    }
+  });
+  return {};
+}
+
+}  // namespace mesocell
