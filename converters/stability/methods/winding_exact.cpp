@@ -11,6 +11,8 @@ namespace {
 
 /// Points that are evaluated side by side.
 constexpr std::size_t kLanes = 8;
+/// Makes a triangle of which the point is a vertex count for nothing; lost in all other sums.
+constexpr double kTiny = 1e-300;
 using Lanes = std::array<double, kLanes>;
 
 /// Seen from each of the points.
@@ -33,17 +35,15 @@ Lanes winding_numbers(const TriangleMesh& mesh, const std::vector<SeenVertex>& s
       const double bc = b.x[k] * c.x[k] + b.y[k] * c.y[k] + b.z[k] * c.z[k];
       const double ca = c.x[k] * a.x[k] + c.y[k] * a.y[k] + c.z[k] * a.z[k];
       const double rest = a.distance[k] * b.distance[k] * c.distance[k] + ab * c.distance[k] +
-                          bc * a.distance[k] + ca * b.distance[k];
-      const double size = std::abs(det) + std::abs(rest);
-      const double scale = size > 0 ? 1 / size : 0;
-      const double q_re = size > 0 ? rest * scale : 1, q_im = det * scale;
-      const double new_re = re[k] * q_re - im[k] * q_im, new_im = re[k] * q_im + im[k] * q_re;
-      const bool up = im[k] >= 0 && q_im >= 0 && new_im < 0, down = im[k] < 0 && q_im < 0 && new_im >= 0;
-      turns[k] += (up ? 1.0 : 0.0) - (down ? 1.0 : 0.0);
-      // Each factor is between 0.7 and 1 in magnitude.
-      const double length = std::abs(new_re) + std::abs(new_im);
-      re[k] = new_re / length;
-      im[k] = new_im / length;
+                          bc * a.distance[k] + ca * b.distance[k] + kTiny;
+      const double new_re = re[k] * rest - im[k] * det, new_im = re[k] * det + im[k] * rest;
+      // Twice positive gave negative: over half a turn; and the reverse. Signs as numbers, without branches.
+      const double was = std::copysign(0.5, im[k]), by = std::copysign(0.5, det),
+                   is = std::copysign(0.5, new_im);
+      turns[k] += (0.5 + was) * (0.5 + by) * (0.5 - is) - (0.5 - was) * (0.5 - by) * (0.5 + is);
+      const double scale = 1 / (std::abs(new_re) + std::abs(new_im));
+      re[k] = new_re * scale;
+      im[k] = new_im * scale;
     }
   }
   Lanes winding;
