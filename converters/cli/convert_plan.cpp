@@ -63,7 +63,7 @@ std::optional<Failure> parse_grid(const ConvertCommand& command, AuthorOptions& 
       std::find_if(kRepairs.begin(), kRepairs.end(), [&](const RepairRow& r) { return r.name == repair; });
   if (rung == kRepairs.end())
     return usage("--repair", "unknown choice '" + repair + "'; there are: strict, orient, winding, auto");
-  author.repair = rung->repair;
+  author.repair.repair = rung->repair;
   const std::int64_t tiles = command.tiles.value_or(kDefaultTiles);
   if (tiles <= 0) return usage("--tiles", "there must be at least one tile; give a number from 1");
   if (command.tile_size && !(*command.tile_size > 0 && std::isfinite(*command.tile_size)))

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
-#include "sdk/membership/diagnose.h"
 #include "sdk/membership/membership.h"
-#include "sdk/membership/orient.h"
 
 namespace mesocell {
 namespace {
@@ -28,39 +27,6 @@ std::string number(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", x);
   return text;
-}
-
-/// Brings a mesh as far as the options allow: to where it is closed, or at least of one mind about what is
-/// outside.
-Status repair_mesh(const TriangleMesh& mesh, Repair repair, OrientedMesh& repaired, AuthorReport& report) {
-  const MeshDiagnosis diagnosis = diagnose(mesh);
-  if (diagnosis.closed()) {
-    if (diagnosis.degenerate_triangles > 0)
-      report.warnings.push_back(
-          {"degenerate-triangles", std::to_string(diagnosis.degenerate_triangles) +
-                                       " triangles with a repeated vertex were left out"});
-    return {};
-  }
-  const auto refused = [&](const char* remedy) {
-    return Error{ErrorCode::kInvalidInput, describe(diagnosis) + remedy, "mesh-not-closed"};
-  };
-  if (repair == Repair::kStrict) return refused("; close it in a mesh editor, or let it be repaired");
-  repaired = orient(mesh);
-  if (repaired.mesh.triangles.empty())
-    return Error{ErrorCode::kInvalidInput,
-                 "all of its triangles enclose nothing; check how the file was made", "mesh-flat"};
-  if (!repaired.closed && repair == Repair::kOrient)
-    return refused(
-        "; turning triangles does not close it: close it in a mesh editor, or let its winding number decide");
-  report.repair.rung = repaired.closed ? RepairRung::kOrient : RepairRung::kWinding;
-  report.repair.turned_triangles = repaired.turned;
-  report.repair.dropped_triangles = mesh.triangles.size() - repaired.mesh.triangles.size();
-  if (repaired.turned + report.repair.dropped_triangles > 0)
-    report.warnings.push_back({"mesh-oriented", std::to_string(repaired.turned) +
-                                                    " triangles were turned and " +
-                                                    std::to_string(report.repair.dropped_triangles) +
-                                                    " left out, so that they agree on what is outside"});
-  return {};
 }
 
 }  // namespace
@@ -129,9 +95,11 @@ Result<CellObject> author_cell_object(const TriangleMesh& given, TileMap tile, c
   AuthorReport& out = report ? *report : unused;
   out = {};
   const Clock::time_point start = Clock::now();
-  OrientedMesh repaired;
-  if (Status status = repair_mesh(given, options.repair, repaired, out); !status) return status.error();
-  const TriangleMesh& mesh = out.repair.rung == RepairRung::kNone ? given : repaired.mesh;
+  Result<RepairedMesh> repaired = repair_mesh(given, options.repair, progress);
+  if (!repaired) return repaired.error();
+  const TriangleMesh& mesh = repaired->mesh ? *repaired->mesh : given;
+  out.repair = repaired->report;
+  out.warnings = std::move(repaired->warnings);
 
   const Box3 box = bounding_box(mesh);
   Result<GridLayout> grid = lay_grid(box, tile.resolution, options.grid);

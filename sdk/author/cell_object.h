@@ -9,6 +9,7 @@
 #include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
+#include "sdk/author/repair.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
 
@@ -27,37 +28,11 @@ struct GridOptions {
 [[nodiscard]] Result<GridLayout> lay_grid(const Box3& mesh_box, const Index3& tile_resolution,
                                           const GridOptions& options);
 
-/// How far a mesh that is not closed may be repaired; each includes what is before it.
-enum class Repair : std::uint8_t {
-  kStrict,   ///< not at all: it is refused
-  kOrient,   ///< triangles are turned and duplicates dropped, see orient(); it is refused if that does not
-             ///< close it
-  kWinding,  ///< what is inside is decided by the generalized winding number [Jacobson 2013]
-};
-
-/// What decided what is inside.
-enum class RepairRung : std::uint8_t { kNone, kOrient, kWinding };
-
-/// What was done to a mesh.
-struct RepairReport {
-  RepairRung rung = RepairRung::kNone;  ///< kNone: the mesh was closed and stayed as it is
-  std::uint64_t turned_triangles = 0;   ///< to run the other way
-  std::uint64_t dropped_triangles = 0;  ///< duplicates, and those with a repeated vertex
-  std::uint64_t boundary_edges = 0;     ///< that were left, as often as the boundary runs along them
-  std::uint64_t unsure_voxels = 0;      ///< of a winding number from 0.4 to 0.6
-};
-
 struct AuthorOptions {
   GridOptions grid = {};
-  Repair repair = Repair::kWinding;
+  RepairOptions repair = {};
   MembershipRule rule = MembershipRule::kCentre;
   unsigned threads = 0;  ///< 0: the machine's; the result does not depend on it
-};
-
-/// A remark that is no failure.
-struct Warning {
-  std::string id;
-  std::string text;
 };
 
 /// What authoring did and what it cost.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -266,7 +267,15 @@ class PatchOrienter {
 
 }  // namespace
 
-OrientedMesh orient(const TriangleMesh& mesh) {
+OrientedMesh orient(const TriangleMesh& mesh, const Progress* progress) {
+  const auto stopped = [&](std::string_view stage, double fraction) {
+    if (progress && progress->report) progress->report(stage, fraction);
+    return progress && progress->cancelled();
+  };
+  OrientedMesh interrupted;
+  interrupted.interrupted = true;
+  constexpr std::string_view kStage = "orient";
+  if (stopped(kStage, 0)) return interrupted;
   OrientedMesh out;
   out.mesh.vertices = mesh.vertices;
   out.mesh.colors = mesh.colors;
@@ -275,6 +284,7 @@ OrientedMesh orient(const TriangleMesh& mesh) {
   for (std::size_t t = 0; t < merged.size(); ++t) keep[t] = !has_repeated_vertex(merged[t]);
   out.degenerate_dropped = std::uint64_t(std::count(keep.begin(), keep.end(), false));
   DuplicateFilter(merged, keep, out).run();
+  if (stopped(kStage, 0.3)) return interrupted;
 
   std::vector<Triangle> triangles;
   for (std::size_t t = 0; t < merged.size(); ++t) {
@@ -284,6 +294,7 @@ OrientedMesh orient(const TriangleMesh& mesh) {
   }
   PatchOrienter orienter(mesh.vertices, triangles);
   orienter.run(out);
+  if (stopped(kStage, 1)) return interrupted;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (!orienter.turned(t)) continue;
     ++out.turned;

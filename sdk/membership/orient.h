@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "format/api.h"
+#include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
 
 namespace mesocell MESOCELL_API {
@@ -21,6 +22,7 @@ struct OrientedMesh {
   std::uint64_t non_orientable = 0;      ///< patches that have one side only, left as they were
   std::optional<Vec3> non_orientable_example;  ///< a vertex of the first such patch, metres
   bool closed = false;                         ///< the result is: see MeshDiagnosis::closed()
+  bool interrupted = false;                    ///< by the progress; the mesh is then empty
 };
 
 /// Makes the orientation of a mesh consistent without moving, adding or splitting anything. Vertices at
@@ -42,6 +44,6 @@ struct OrientedMesh {
 ///    signed volume is turned, unless it is inside another one: there it may be meant as a cavity. Parts
 ///    inside others keep what step 3 gave them, or turn with the outermost one around them, so that the
 ///    mirror image of a solid with a cavity has its cavity too.
-[[nodiscard]] OrientedMesh orient(const TriangleMesh& mesh);
+[[nodiscard]] OrientedMesh orient(const TriangleMesh& mesh, const Progress* progress = nullptr);
 
 }  // namespace mesocell

@@ -86,11 +86,11 @@ TEST_CASE("the inside volume approaches the mesh's from below") {
 TEST_CASE("a mesh that bounds nothing is refused with its diagnosis") {
   const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=16"));
   const auto error = [&](const TriangleMesh& mesh) {
-    const Result<CellObject> object = author_cell_object(mesh, tile, {.repair = Repair::kStrict});
+    const Result<CellObject> object = author_cell_object(mesh, tile, {.repair = {Repair::kStrict}});
     REQUIRE_FALSE(object.ok());
     CHECK(object.error().code == ErrorCode::kInvalidInput);
     // What no repair makes a solid of is refused by all of them.
-    CHECK_FALSE(author_cell_object(mesh, tile, {.repair = Repair::kOrient}).ok());
+    CHECK_FALSE(author_cell_object(mesh, tile, {.repair = {Repair::kOrient}}).ok());
     return object.error().message;
   };
   TriangleMesh open = make_box({0, 0, 0}, {1, 1, 1});
@@ -120,7 +120,7 @@ TEST_CASE("a mesh is repaired as far as it needs and the options allow, and the 
   const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=8"));
   const TriangleMesh sound = make_sphere({0, 0, 0}, 1, 24);
   const auto author = [&](const TriangleMesh& mesh, Repair repair, AuthorReport& report) {
-    return author_cell_object(mesh, tile, {.grid = {.tiles = 8}, .repair = repair}, &report);
+    return author_cell_object(mesh, tile, {.grid = {.tiles = 8}, .repair = {repair}}, &report);
   };
   AuthorReport report;
   const Result<CellObject> whole = author(sound, Repair::kWinding, report);

@@ -250,7 +250,7 @@ TEST_CASE(
   CHECK(std::count(stencil.begin(), stencil.end(), true) == 16 * 16 * 24);
 
   const TileMap tile = *make_tile(*parse_recipe("voronoi:cells=8,resolution=16"));
-  const Result<CellObject> refused = author_cell_object(open, tile, {.repair = Repair::kStrict});
+  const Result<CellObject> refused = author_cell_object(open, tile, {.repair = {Repair::kStrict}});
   REQUIRE_FALSE(refused.ok());
   CHECK(refused.error().code == ErrorCode::kInvalidInput);
   CHECK(refused.error().id == "mesh-not-closed");
