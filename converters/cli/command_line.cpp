@@ -188,7 +188,7 @@ void add_stability(CLI::App& app, StabilityCommand& command) {
   sub->add_flag("--voxelize", command.voxelize, "Test inside/outside voxelization (this is what there is to test)");
   sub->add_flag("--benchmark", command.benchmark,
                 "Measure time, peak memory and wrong voxels at several sizes instead of the catalogue");
-  sub->add_option("--resolution", command.resolution, "Voxels along the longest side, 16 to 512 [48]")
+  sub->add_option("--resolution", command.resolution, "Voxels along the longest side, 16 to 512 [40]")
       ->type_name("N")
       ->check(CLI::Range(16u, 512u).description(""));
   sub->add_option("--sizes", command.sizes,

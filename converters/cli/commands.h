@@ -76,13 +76,13 @@ struct StabilityCommand {
   CommonOptions common;
   bool voxelize = false;
   bool benchmark = false;
-  std::uint32_t resolution = 48;
+  std::optional<std::uint32_t> resolution;
   std::vector<std::string> meshes;
   std::vector<std::string> pairs;  ///< broken and sound in turn
   std::string methods, cases;
   std::optional<std::string> sizes;
   std::string csv, markdown, picture;
-  double max_seconds = 20;
+  std::optional<double> max_seconds;
   std::uint32_t repeat = 1;
   bool no_clobber = false;
 };

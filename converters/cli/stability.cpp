@@ -1,6 +1,7 @@
 #include "converters/cli/stability.h"
 
 #include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -10,11 +11,15 @@
 #include "converters/stability/damage.h"
 #include "converters/stability/report.h"
 #include "format/file.h"
+#include "sdk/membership/diagnose.h"
 
 namespace mesocell {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Voxels along the longest side of a case of the catalogue: all of it takes about two minutes.
+constexpr std::uint32_t kResolution = 40;
 
 std::vector<std::string> words_of(const std::string& list) {
   std::vector<std::string> words;
@@ -57,33 +62,58 @@ std::optional<Failure> read_mesh(const std::string& path, const Progress& progre
   return std::nullopt;
 }
 
-std::optional<Failure> make_cases(const StabilityCommand& command, const Progress& progress,
-                                  std::vector<StabilityCase>& cases) {
-  std::vector<NamedMesh> meshes;
+/// The meshes that were named, else generated ones.
+std::optional<Failure> read_meshes(const StabilityCommand& command, const Progress& progress,
+                                   std::uint32_t detail, std::vector<NamedMesh>& meshes,
+                                   std::vector<MeshPair>& pairs) {
   for (const std::string& path : command.meshes) {
     NamedMesh named{name_of(path), {}};
     if (auto failure = read_mesh(path, progress, named.mesh)) return failure;
+    if (const MeshDiagnosis diagnosis = diagnose(named.mesh); !diagnosis.closed())
+      return Failure{Error{ErrorCode::kInvalidInput,
+                           "what is truly inside is not known: " + describe(diagnosis) +
+                               "; give a closed mesh, or this one and a sound twin by --pair",
+                           "mesh-not-closed"},
+                     path};
     meshes.push_back(std::move(named));
   }
-  if (meshes.empty()) meshes = clean_meshes();
-  cases = damage_cases(meshes, command.resolution);
-  if (command.meshes.empty())
-    std::ranges::move(geometry_cases(command.resolution), std::back_inserter(cases));
   for (std::size_t k = 0; k + 1 < command.pairs.size(); k += 2) {
     MeshPair pair{name_of(command.pairs[k]), {}, {}};
     if (auto failure = read_mesh(command.pairs[k], progress, pair.broken)) return failure;
     if (auto failure = read_mesh(command.pairs[k + 1], progress, pair.sound)) return failure;
-    cases.push_back(pair_case(pair, command.resolution));
+    if (const MeshDiagnosis diagnosis = diagnose(pair.sound); !diagnosis.closed())
+      return Failure{
+          Error{ErrorCode::kInvalidInput, "the second mesh of a pair must be sound: " + describe(diagnosis),
+                "mesh-not-closed"},
+          command.pairs[k + 1]};
+    pairs.push_back(std::move(pair));
   }
-  const std::vector<std::string> words = words_of(command.cases);
-  if (words.empty()) return std::nullopt;
+  if (meshes.empty() && (pairs.empty() || !command.benchmark)) meshes = clean_meshes(detail);
+  return std::nullopt;
+}
+
+/// Whether a list of words, all if it is empty, names a case.
+bool wanted(const std::vector<std::string>& words, const StabilityCase& c) {
+  return words.empty() || std::ranges::any_of(words, [&](const std::string& word) {
+           return c.row().starts_with(word) || c.group == word;
+         });
+}
+
+std::optional<Failure> make_cases(const StabilityCommand& command, const Progress& progress,
+                                  std::vector<StabilityCase>& cases) {
+  std::vector<NamedMesh> meshes;
+  std::vector<MeshPair> pairs;
+  if (auto failure = read_meshes(command, progress, 1, meshes, pairs)) return failure;
+  const std::uint32_t resolution = command.resolution.value_or(kResolution);
+  cases = damage_cases(meshes, resolution);
+  if (command.meshes.empty()) std::ranges::move(geometry_cases(resolution), std::back_inserter(cases));
+  for (const MeshPair& pair : pairs) cases.push_back(pair_case(pair, resolution));
   std::string names;
-  std::erase_if(cases, [&](const StabilityCase& c) {
+  for (const StabilityCase& c : cases)
     if (("," + names + ",").find("," + c.name + ",") == std::string::npos)
       names += (names.empty() ? "" : ",") + c.name;
-    return std::ranges::none_of(
-        words, [&](const std::string& word) { return c.row().starts_with(word) || c.group == word; });
-  });
+  std::erase_if(cases,
+                [words = words_of(command.cases)](const StabilityCase& c) { return !wanted(words, c); });
   if (cases.empty())
     return usage("--cases", "no case begins with '" + command.cases + "'; there are " + names +
                                 ", and the groups clean, damage, geometry, pair");
@@ -114,10 +144,35 @@ Json table_json(const StabilityTable& table) {
   return json;
 }
 
+Json benchmark_json(std::span<const StabilityResult> results) {
+  Json json{{"kind", "voxelize-benchmark"}, {"results", Json::array()}};
+  for (const StabilityResult& r : results) {
+    Json entry{{"mesh", r.mesh}, {"case", r.row()}, {"size", r.size}, {"method", r.method}};
+    entry.update(cell_json({.measured = true,
+                            .too_long = r.run.outcome == RunOutcome::kTooLong,
+                            .failed = r.run.outcome == RunOutcome::kFailed,
+                            .voxels = r.voxels,
+                            .seconds = r.run.seconds}));
+    entry["memory_bytes"] = r.run.memory_bytes;
+    json["results"].push_back(std::move(entry));
+  }
+  return json;
+}
+
 std::optional<Failure> check(const StabilityCommand& command) {
   if (!command.voxelize) return usage("stability", "say what to test: mesocell stability --voxelize");
-  if (!command.picture.empty() && !command.picture.ends_with(".svg"))
+  if (!command.picture.empty() && !has_extension(command.picture, ".svg"))
     return usage("--picture", "'" + command.picture + "' is no .svg file; give its name that extension");
+  if (command.benchmark && !command.picture.empty())
+    return usage("--picture", "--benchmark has no heat map; leave one of them out");
+  if (command.benchmark && command.resolution)
+    return usage("--resolution", "--benchmark takes --sizes instead, such as --sizes 256,512");
+  if (!command.benchmark && command.sizes)
+    return usage("--sizes", "it is for --benchmark; the catalogue takes --resolution");
+  for (const std::string& path : {command.csv, command.markdown, command.picture})
+    if (!path.empty())
+      if (const Status status = check_output(path, command.no_clobber); !status)
+        return Failure{status.error(), path};
   return std::nullopt;
 }
 
@@ -129,9 +184,89 @@ std::optional<Failure> write_text(const std::string& path, const std::string& te
 }
 
 std::string caption_of(const StabilityCommand& command) {
-  return std::to_string(command.resolution) + " voxels along the longest side; " +
+  return std::to_string(command.resolution.value_or(kResolution)) + " voxels along the longest side; " +
          (command.meshes.empty() ? "generated meshes" : "meshes given") +
          ", figures of several meshes are joined";
+}
+
+/// Writes the files that were asked for.
+std::optional<Failure> write_results(const StabilityCommand& command,
+                                     std::span<const StabilityResult> results, const std::string& markdown,
+                                     const std::string& picture) {
+  for (const auto& [path, text] :
+       {std::pair(command.csv, stability_csv(results)), std::pair(command.markdown, markdown),
+        std::pair(command.picture, picture)})
+    if (auto failure = write_text(path, text, command.no_clobber)) return failure;
+  return std::nullopt;
+}
+
+int run_catalogue(const StabilityCommand& command, const Console& console,
+                  std::span<const Voxelizer* const> methods) {
+  ProgressBar bar(!console.quiet());
+  std::vector<StabilityCase> cases;
+  if (const auto failure = make_cases(command, bar.progress(), cases)) return console.fail(*failure);
+  const MeasureOptions options{.threads = command.common.threads,
+                               .max_seconds = command.max_seconds.value_or(20)};
+  const Result<std::vector<StabilityResult>> results =
+      measure_stability(cases, methods, options, &bar.progress());
+  bar.finish();
+  if (!results) return console.fail(results.error(), "");
+  const StabilityTable table = tabulate(*results);
+  const std::string markdown = stability_markdown(table);
+  if (const auto failure =
+          write_results(command, *results, markdown, stability_heat_map(table, caption_of(command))))
+    return console.fail(*failure);
+  if (console.json()) return console.finish(table_json(table).dump(2) + "\n");
+  return console.finish(console.quiet() ? "" : markdown);
+}
+
+std::optional<Failure> parse_sizes(const StabilityCommand& command, std::vector<std::uint32_t>& sizes) {
+  for (const std::string& word : words_of(command.sizes.value_or("256,512,1024"))) {
+    std::uint32_t size = 0;
+    const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), size);
+    if (status != std::errc() || end != word.data() + word.size() || size < 16 || size > 2048)
+      return usage("--sizes",
+                   "'" + word + "' is no number from 16 to 2048; write for example --sizes 256,512");
+    sizes.push_back(size);
+  }
+  if (sizes.empty()) return usage("--sizes", "it names no size; write for example --sizes 256,512");
+  return std::nullopt;
+}
+
+int run_benchmark(const StabilityCommand& command, const Console& console,
+                  std::vector<const Voxelizer*> methods) {
+  if (command.methods.empty()) {
+    methods.clear();
+    for (const char* name : {"signed-count", "openvdb", "ours"}) methods.push_back(find_voxelizer(name));
+  }
+  std::vector<std::uint32_t> sizes;
+  if (const auto failure = parse_sizes(command, sizes)) return console.fail(*failure);
+  ProgressBar bar(!console.quiet());
+  std::vector<NamedMesh> meshes;
+  std::vector<MeshPair> pairs;
+  if (const auto failure = read_meshes(command, bar.progress(), 4, meshes, pairs))
+    return console.fail(*failure);
+  std::vector<StabilityCase> cases;
+  for (const std::uint32_t size : sizes) {
+    std::ranges::move(benchmark_cases(meshes, size), std::back_inserter(cases));
+    for (const MeshPair& pair : pairs) cases.push_back(pair_case(pair, size));
+  }
+  std::erase_if(cases,
+                [words = words_of(command.cases)](const StabilityCase& c) { return !wanted(words, c); });
+  if (cases.empty())
+    return console.fail(
+        usage("--cases", "no case of --benchmark begins so; there are clean, holes and pair"));
+  const MeasureOptions options{.threads = command.common.threads,
+                               .max_seconds = command.max_seconds.value_or(600),
+                               .repeat = command.repeat};
+  const Result<std::vector<StabilityResult>> results =
+      measure_stability(cases, methods, options, &bar.progress());
+  bar.finish();
+  if (!results) return console.fail(results.error(), "");
+  const std::string markdown = benchmark_markdown(*results);
+  if (const auto failure = write_results(command, *results, markdown, "")) return console.fail(*failure);
+  if (console.json()) return console.finish(benchmark_json(*results).dump(2) + "\n");
+  return console.finish(console.quiet() ? "" : markdown);
 }
 
 }  // namespace
@@ -152,7 +287,9 @@ std::string stability_help() {
          "too-long), wrong, "
          "wrong_far (over two voxels from the true surface), inside, far, voxels (of the grid), "
          "wrong_percent (of "
-         "inside), wrong_far_percent (of far), seconds}}]\n\n"
+         "inside), wrong_far_percent (of far), seconds}}]; of --benchmark: kind, results [mesh, case, size, "
+         "method, "
+         "memory_bytes and the same]\n\n"
          "Example:\n  mesocell stability --voxelize --csv table.csv --markdown table.md --picture table.svg\n"
          "  mesocell stability --voxelize --mesh bunny.off --cases holes,clean --methods openvdb,ours\n"
          "  mesocell stability --voxelize --pair elephant-with-holes.off elephant.off --cases pair\n"
@@ -164,22 +301,8 @@ int run_stability(const StabilityCommand& command) {
   if (const auto failure = check(command)) return console.fail(*failure);
   std::vector<const Voxelizer*> methods;
   if (const auto failure = find_methods(command.methods, methods)) return console.fail(*failure);
-  ProgressBar bar(!command.common.quiet);
-  std::vector<StabilityCase> cases;
-  if (const auto failure = make_cases(command, bar.progress(), cases)) return console.fail(*failure);
-  const Result<std::vector<StabilityResult>> results = measure_stability(
-      cases, methods, {.threads = command.common.threads, .max_seconds = command.max_seconds},
-      &bar.progress());
-  bar.finish();
-  if (!results) return console.fail(results.error(), "stability");
-  const StabilityTable table = tabulate(*results);
-  const std::string markdown = stability_markdown(table);
-  for (const auto& [path, text] :
-       {std::pair(command.csv, stability_csv(*results)), std::pair(command.markdown, markdown),
-        std::pair(command.picture, stability_heat_map(table, caption_of(command)))})
-    if (const auto failure = write_text(path, text, command.no_clobber)) return console.fail(*failure);
-  if (console.json()) return console.finish(table_json(table).dump(2) + "\n");
-  return console.finish(console.quiet() ? "" : markdown);
+  return command.benchmark ? run_benchmark(command, console, methods)
+                           : run_catalogue(command, console, methods);
 }
 
 }  // namespace mesocell

@@ -36,6 +36,24 @@ std::span<const double> strengths_of(const Damage& damage) {
   return kTriangles;
 }
 
+StabilityCase clean_case(const NamedMesh& mesh, std::uint32_t resolution) {
+  const VoxelFrame frame = frame_of(mesh.mesh, resolution);
+  const TriangleMesh voxels = frame.to_voxels(mesh.mesh);
+  return {"clean", "clean", "", mesh.name, voxels, voxels, frame.size};
+}
+
+StabilityCase damage_case(const NamedMesh& mesh, std::uint32_t resolution, const Damage& damage,
+                          double strength, std::uint64_t seed) {
+  const VoxelFrame frame = frame_of(mesh.mesh, resolution);
+  return {"damage",
+          damage.name,
+          strength_text(damage, strength),
+          mesh.name,
+          frame.to_voxels(damage.apply(mesh.mesh, strength, seed)),
+          frame.to_voxels(mesh.mesh),
+          frame.size};
+}
+
 class GeometryCases {
  public:
   explicit GeometryCases(std::uint32_t resolution) : n_(resolution), middle_{n_ / 2.0, n_ / 2.0, n_ / 2.0} {}
@@ -146,25 +164,20 @@ TriangleMesh VoxelFrame::to_voxels(const TriangleMesh& mesh) const {
 
 std::vector<StabilityCase> damage_cases(std::span<const NamedMesh> meshes, std::uint32_t resolution) {
   std::vector<StabilityCase> cases;
-  const auto add = [&](const char* group, std::string name, std::string strength, const auto& damage) {
-    for (std::size_t m = 0; m < meshes.size(); ++m) {
-      StabilityCase c;
-      c.group = group;
-      c.name = name;
-      c.strength = strength;
-      c.mesh = meshes[m].name;
-      const VoxelFrame frame = frame_of(meshes[m].mesh, resolution);
-      c.size = frame.size;
-      c.sound = frame.to_voxels(meshes[m].mesh);
-      c.broken = frame.to_voxels(damage(meshes[m].mesh, m + 1));
-      cases.push_back(std::move(c));
-    }
-  };
-  add("clean", "clean", "", [](const TriangleMesh& mesh, std::uint64_t) { return mesh; });
+  for (const NamedMesh& mesh : meshes) cases.push_back(clean_case(mesh, resolution));
   for (const Damage& damage : damages())
     for (const double strength : strengths_of(damage))
-      add("damage", damage.name, strength_text(damage, strength),
-          [&](const TriangleMesh& mesh, std::uint64_t seed) { return damage.apply(mesh, strength, seed); });
+      for (std::size_t m = 0; m < meshes.size(); ++m)
+        cases.push_back(damage_case(meshes[m], resolution, damage, strength, m + 1));
+  return cases;
+}
+
+std::vector<StabilityCase> benchmark_cases(std::span<const NamedMesh> meshes, std::uint32_t resolution) {
+  std::vector<StabilityCase> cases;
+  for (const NamedMesh& mesh : meshes) {
+    cases.push_back(clean_case(mesh, resolution));
+    cases.push_back(damage_case(mesh, resolution, damages().front(), 0.01, 1));
+  }
   return cases;
 }
 

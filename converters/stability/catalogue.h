@@ -57,6 +57,10 @@ struct VoxelFrame {
 /// places, thin walls.
 [[nodiscard]] std::vector<StabilityCase> geometry_cases(std::uint32_t resolution);
 
+/// For a benchmark: each mesh as it is and with holes of 1 % of its area.
+[[nodiscard]] std::vector<StabilityCase> benchmark_cases(std::span<const NamedMesh> meshes,
+                                                         std::uint32_t resolution);
+
 [[nodiscard]] StabilityCase pair_case(const MeshPair& pair, std::uint32_t resolution);
 
 }  // namespace mesocell

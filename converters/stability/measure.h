@@ -56,7 +56,8 @@ struct Truth {
 
 struct MeasureOptions {
   unsigned threads = 0;
-  double max_seconds = 20;  ///< for each method on each case
+  double max_seconds = 20;  ///< for each run
+  unsigned repeat = 1;      ///< runs of each method on each case; the median of their times is kept
 };
 
 /// Runs methods on cases, one after the other. Errors: kCancelled, kLimit, those of find_truth() and of

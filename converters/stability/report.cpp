@@ -123,4 +123,27 @@ std::string stability_markdown(const StabilityTable& table) {
   return out;
 }
 
+std::string benchmark_markdown(std::span<const StabilityResult> results) {
+  std::string out =
+      "| mesh | case | voxels | method | time | peak memory | wrong voxels | % of those inside | wrong over "
+      "two voxels "
+      "from the surface |\n|---|---|---:|---|---:|---:|---:|---:|---:|\n";
+  for (const StabilityResult& r : results) {
+    char text[256];
+    out += "| " + r.mesh + " | " + r.row() + " | " + std::to_string(r.size[0]) + "×" +
+           std::to_string(r.size[1]) + "×" + std::to_string(r.size[2]) + " | " + r.method + " | ";
+    if (r.run.outcome != RunOutcome::kDone) {
+      std::snprintf(text, sizeof text, "%s after %.1f s | | | | |\n", outcome_name(r.run.outcome),
+                    r.run.seconds);
+    } else {
+      std::snprintf(text, sizeof text, "%.3f s | %.0f MB | %llu | %s | %llu |\n", r.run.seconds,
+                    double(r.run.memory_bytes) * 1e-6, static_cast<unsigned long long>(r.voxels.wrong),
+                    percent_text(r.voxels.wrong_percent()).c_str(),
+                    static_cast<unsigned long long>(r.voxels.wrong_far));
+    }
+    out += text;
+  }
+  return out;
+}
+
 }  // namespace mesocell

@@ -39,7 +39,10 @@ struct StabilityTable {
 /// all that are far.
 [[nodiscard]] std::string stability_markdown(const StabilityTable& table);
 
-/// The first of these tables as a picture, SVG 1.1, with a scale of colors.
+/// A line a result with time, peak memory and wrong voxels.
+[[nodiscard]] std::string benchmark_markdown(std::span<const StabilityResult> results);
+
+/// The first of stability_markdown()'s tables as a picture, SVG 1.1, with a scale of colors.
 [[nodiscard]] std::string stability_heat_map(const StabilityTable& table, std::string_view caption);
 
 }  // namespace mesocell

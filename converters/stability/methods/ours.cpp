@@ -3,19 +3,17 @@
 #include <algorithm>
 
 #include "converters/stability/voxelizer.h"
+#include "sdk/author/repair.h"
 #include "sdk/core/parallel.h"
-#include "sdk/membership/diagnose.h"
 #include "sdk/membership/open_solid.h"
-#include "sdk/membership/orient.h"
 #include "sdk/membership/scanline.h"
 
 namespace mesocell {
 
 Status voxelize_ours(const TriangleMesh& given, BitGrid& out, unsigned threads) {
-  OrientedMesh repaired;
-  const bool closed = diagnose(given).closed();
-  if (!closed) repaired = orient(given);
-  const TriangleMesh& mesh = closed ? given : repaired.mesh;
+  const Result<RepairedMesh> repaired = repair_mesh(given);
+  if (!repaired) return repaired.error();
+  const TriangleMesh& mesh = repaired->mesh ? *repaired->mesh : given;
 
   const Index3& size = out.size();
   const Index3 resolution{64, 16, 16};
