@@ -56,8 +56,18 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->add_option("--rule", command.rule, "Rule of membership: " + rule_names() + " [centre]")
       ->type_name("RULE");
   sub->add_option("--repair", command.repair,
-                  "How far a mesh that is not closed is repaired: strict, orient, winding or auto [auto]")
+                  "How far a mesh that is not closed is repaired: strict, orient, winding, wrap or auto [auto]")
       ->type_name("CHOICE");
+  const auto metres = [&](const char* name, std::optional<double>& value, const char* help) {
+    sub->add_option(name, value, help)->type_name("METRES");
+  };
+  metres("--stitch", command.stitch,
+         "How wide cracks may be that are stitched [1e-5 of the diagonal of the mesh's box]");
+  metres("--thicken", command.thicken,
+         "Give what is open a thickness: what is within half of it of the surface is inside");
+  metres("--wrap-alpha", command.wrap_alpha,
+         "Radius of the ball that a wrap lets in nowhere [a twentieth of the diagonal]");
+  metres("--wrap-offset", command.wrap_offset, "How far off the surface a wrap is [a thirtieth of alpha]");
   sub->add_option("--color", command.color, "Recipe of the color; white if not given")->type_name("RECIPE");
   sub->add_flag("--normals", command.normals, "Store smooth normals at the borders of the cells");
   add_no_clobber(*sub, command.no_clobber);
@@ -65,9 +75,10 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->footer(
       "Rules: by centre a cell is inside if all its voxels' centres are; by conservative the surface "
       "must not even touch one of its voxels.\n\n"
-      "Repair: strict refuses a mesh that is not closed; orient turns triangles and drops duplicates, and refuses what "
-      "that does not close; winding decides by the generalized winding number what is inside of what stays open; auto "
-      "takes the first of these that suffices.\n\nRecipes of tiles:\n" +
+      "Repair: strict refuses a mesh that is not closed; orient stitches cracks, turns triangles and drops "
+      "duplicates, and refuses what that does not close; winding decides by the generalized winding number what is "
+      "inside of what stays open; wrap replaces what stays open by its alpha wrap; auto takes the first of these that "
+      "suffices. `mesocell info MESH` tells what is amiss with a mesh.\n\nRecipes of tiles:\n" +
       tile_sources_help() + "\nRecipes of colors:\n" + color_sources_help() + "\nVolumes: " + kVolumeAxes + "\n" +
       "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
       "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n"
@@ -76,10 +87,14 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
 }
 
 void add_info(CLI::App& app, InfoCommand& command) {
-  CLI::App* sub = app.add_subcommand("info", "Tell what is in a .meso file");
-  sub->add_option("input", command.input, "File to read: .meso")->required()->type_name("FILE");
+  CLI::App* sub = app.add_subcommand("info", "Tell what is in a .meso file, or what is amiss with a mesh");
+  sub->add_option("input", command.input, std::string("File to read: .meso, or a mesh: ") + kMeshExtensions)->required()->type_name("FILE");
   add_common(*sub, command.common);
-  sub->footer("Example:\n  mesocell info bunny.meso --json\n");
+  sub->footer(
+      "Keys of --json for a mesh: format, file_bytes, polygons, dropped_faces (with a repeated vertex), vertices, "
+      "vertex_colors, box {min, max}, volume (metres³, null if it is not closed), diagnosis {depth, closed, triangles, "
+      "components, closed_components, cavities, findings [{id, count, at_least, example, text}]}; convert has the "
+      "same diagnosis.\n\nExample:\n  mesocell info bunny.meso --json\n  mesocell info bunny.obj\n");
 }
 
 void add_validate(CLI::App& app, ValidateCommand& command) {

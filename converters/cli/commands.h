@@ -20,6 +20,7 @@ struct ConvertCommand {
   std::optional<double> tile_size;
   std::string box;
   std::optional<std::string> tile, rule, percolating, repair;
+  std::optional<double> stitch, thicken, wrap_alpha, wrap_offset;  ///< metres
   std::optional<std::string> color;
   bool normals = false;
   bool no_clobber = false;

@@ -38,14 +38,19 @@ std::string printable(std::string_view text) {
 }
 
 int Console::fail(const Error& error, const std::string& subject) const {
+  return fail_with({error, subject}, nlohmann::ordered_json::object());
+}
+
+int Console::fail_with(const Failure& failure, const nlohmann::ordered_json& more) const {
+  const Error& error = failure.error;
   // Whoever stopped it knows that; what they want to know is the state of the output.
   if (error.code == ErrorCode::kCancelled)
-    return report(ErrorCode::kCancelled, "interrupted; nothing was written", {}, {});
-  return report(error.code, error.message, error.id, subject);
+    return report(ErrorCode::kCancelled, "interrupted; nothing was written", {}, {}, more);
+  return report(error.code, error.message, error.id, failure.subject, more);
 }
 
 int Console::report(ErrorCode kind, std::string_view message, std::string_view id,
-                    const std::string& subject) const {
+                    const std::string& subject, const nlohmann::ordered_json& more) const {
   const ExitCode code = exit_code(kind);
   print_message(subject, message);
   if (json_) {
@@ -55,6 +60,7 @@ int Console::report(ErrorCode kind, std::string_view message, std::string_view i
     object["error"]["id"] = id;
     object["error"]["message"] = message;
     object["error"]["file"] = subject;
+    object.update(more);
     (void)print_result(object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
   return code;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -37,6 +38,8 @@ class Console {
   /// code. `subject` is as of a Failure.
   int fail(const Error& error, const std::string& subject) const;
   int fail(const Failure& failure) const { return fail(failure.error, failure.subject); }
+  /// With more in the object, beside "error".
+  int fail_with(const Failure& failure, const nlohmann::ordered_json& more) const;
 
   /// A remark on stderr, unless --quiet.
   void warn(const std::string& subject, std::string_view text) const;
@@ -48,7 +51,8 @@ class Console {
   [[nodiscard]] bool quiet() const { return quiet_; }
 
  private:
-  int report(ErrorCode kind, std::string_view message, std::string_view id, const std::string& subject) const;
+  int report(ErrorCode kind, std::string_view message, std::string_view id, const std::string& subject,
+             const nlohmann::ordered_json& more) const;
 
   bool json_, quiet_;
 };

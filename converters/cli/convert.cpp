@@ -10,6 +10,7 @@
 #include "converters/cli/commands.h"
 #include "converters/cli/convert_plan.h"
 #include "converters/cli/progress_bar.h"
+#include "converters/cli/repair_report.h"
 #include "converters/cli/representations.h"
 #include "converters/cli/shape_source.h"
 #include "format/cell_object_io.h"
@@ -51,10 +52,6 @@ struct Outcome {
   Seconds seconds;
 };
 
-const char* rung_name(RepairRung rung) {
-  return rung == RepairRung::kNone ? "none" : rung == RepairRung::kOrient ? "orient" : "winding";
-}
-
 /// Everything on the surface of the object; the metadata says what it was made of.
 std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertPlan& plan, SourcedTile& tile,
                                    const TriangleMesh& surface, const AuthorReport& report,
@@ -62,9 +59,7 @@ std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertP
   object.metadata.clear();
   if (!tile.color_recipe.empty()) object.metadata.emplace_back("color", tile.color_recipe);
   if (report.repair.rung != RepairRung::kNone)
-    object.metadata.emplace_back("repair", std::string(rung_name(report.repair.rung)) + ", " +
-                                               std::to_string(report.repair.unsure_voxels) +
-                                               " voxels unsure");
+    object.metadata.emplace_back("repair", repair_text(report.repair));
   object.metadata.emplace_back("tile", tile.recipe);
   if (Status status = apply_colors(std::move(tile.colors), surface, object, plan.author.threads, &progress);
       !status)
@@ -138,12 +133,11 @@ nlohmann::ordered_json outcome_json(const Outcome& outcome) {
   json["warnings"] = nlohmann::ordered_json::array();
   for (const Warning& warning : outcome.report.warnings)
     json["warnings"].push_back({{"id", warning.id}, {"text", warning.text}});
-  const RepairReport& repair = outcome.report.repair;
-  json["repair"]["rung"] = rung_name(repair.rung);
-  json["repair"]["turned_triangles"] = repair.turned_triangles;
-  json["repair"]["dropped_triangles"] = repair.dropped_triangles;
-  json["repair"]["boundary_edges"] = repair.boundary_edges;
-  json["repair"]["unsure_voxels"] = repair.unsure_voxels;
+  // Where there is no mesh there is nothing to diagnose.
+  if (outcome.report.diagnosis.triangles > 0) {
+    json["diagnosis"] = diagnosis_json(outcome.report.diagnosis);
+    json["repair"] = repair_json(outcome.report.repair);
+  }
   json["volume"]["mesh"] = outcome.report.mesh_volume;
   json["volume"]["inside"] = outcome.report.inside_volume;
   return json;
@@ -167,7 +161,12 @@ int run_convert(const ConvertCommand& command) {
   Outcome outcome;
   const std::optional<Failure> failure = convert(command, bar.progress(), outcome);
   bar.finish();
+  const MeshDiagnosis& diagnosis = outcome.report.diagnosis;
+  if (failure && diagnosis.triangles > 0)
+    return console.fail_with(*failure, {{"diagnosis", diagnosis_json(diagnosis)}});
   if (failure) return console.fail(*failure);
+  if (outcome.report.repair.rung != RepairRung::kNone)
+    for (const MeshFinding& finding : findings(diagnosis)) console.warn(command.input, describe(finding));
   for (const Warning& warning : outcome.report.warnings) console.warn(command.input, warning.text);
   if (console.json()) return console.finish(json_text(outcome_json(outcome)));
   return console.quiet() ? int{kExitDone} : console.finish(outcome_text(outcome, command.output));

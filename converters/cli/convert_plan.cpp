@@ -10,6 +10,9 @@
 #include "converters/cli/shape_source.h"
 #include "converters/cli/values.h"
 #include "converters/import/mesh_file.h"
+#ifdef MESOCELL_WRAP
+#include "sdk/wrap/alpha_wrap.h"
+#endif
 
 namespace mesocell {
 namespace {
@@ -18,11 +21,11 @@ struct RepairRow {
   std::string_view name;
   Repair repair;
 };
-/// The first rung that suffices is taken always, so `auto` is the last one.
-constexpr std::array<RepairRow, 4> kRepairs = {{{"strict", Repair::kStrict},
+constexpr std::array<RepairRow, 5> kRepairs = {{{"strict", Repair::kStrict},
                                                 {"orient", Repair::kOrient},
                                                 {"winding", Repair::kWinding},
-                                                {"auto", Repair::kWinding}}};
+                                                {"wrap", Repair::kWrap},
+                                                {"auto", Repair::kAuto}}};
 
 std::optional<Failure> check_files(const ConvertCommand& command, const ConvertPlan& plan) {
   if (has_extension(command.input, ".meso") && !tile_of_input(command.input))
@@ -52,18 +55,42 @@ std::optional<Failure> parse_tile(const ConvertCommand& command, ConvertPlan& pl
   return std::nullopt;
 }
 
+std::optional<Failure> parse_repair(const ConvertCommand& command, RepairOptions& options) {
+  const std::string name = command.repair.value_or("auto");
+  const auto row =
+      std::find_if(kRepairs.begin(), kRepairs.end(), [&](const RepairRow& r) { return r.name == name; });
+  if (row == kRepairs.end())
+    return usage("--repair", "unknown choice '" + name + "'; there are: strict, orient, winding, wrap, auto");
+  options.repair = row->repair;
+#ifdef MESOCELL_WRAP
+  options.wrapper = alpha_wrap;
+#else
+  if (options.repair == Repair::kWrap)
+    return usage("--repair", "this command was built without wrap; use another choice");
+#endif
+  const auto length = [](const char* option, const std::optional<double>& given,
+                         double& value) -> std::optional<Failure> {
+    if (given && !(*given > 0 && std::isfinite(*given)))
+      return usage(option, "it must be a finite number of metres above 0");
+    value = given.value_or(0);
+    return std::nullopt;
+  };
+  if (auto failure = length("--stitch", command.stitch, options.stitch_tolerance)) return failure;
+  if (auto failure = length("--thicken", command.thicken, options.thickness)) return failure;
+  if (auto failure = length("--wrap-alpha", command.wrap_alpha, options.wrap_alpha)) return failure;
+  if (auto failure = length("--wrap-offset", command.wrap_offset, options.wrap_offset)) return failure;
+  if (command.thicken && (options.repair == Repair::kStrict || options.repair == Repair::kWrap))
+    return usage("--thicken", "it is a repair by itself, and --repair " + name +
+                                  " asks for another; leave one of them out");
+  return std::nullopt;
+}
+
 std::optional<Failure> parse_grid(const ConvertCommand& command, AuthorOptions& author) {
   const std::string rule_name = command.rule.value_or("centre");
   const std::optional<MembershipRule> rule = find_rule(rule_name);
   if (!rule) return usage("--rule", "unknown rule '" + rule_name + "'; there are: " + rule_names());
   author.rule = *rule;
   author.threads = command.common.threads;
-  const std::string repair = command.repair.value_or("auto");
-  const auto rung =
-      std::find_if(kRepairs.begin(), kRepairs.end(), [&](const RepairRow& r) { return r.name == repair; });
-  if (rung == kRepairs.end())
-    return usage("--repair", "unknown choice '" + repair + "'; there are: strict, orient, winding, auto");
-  author.repair.repair = rung->repair;
   const std::int64_t tiles = command.tiles.value_or(kDefaultTiles);
   if (tiles <= 0) return usage("--tiles", "there must be at least one tile; give a number from 1");
   if (command.tile_size && !(*command.tile_size > 0 && std::isfinite(*command.tile_size)))
@@ -98,7 +125,14 @@ void find_unused(const ConvertCommand& command, ConvertPlan& plan) {
     unused(command.tile.has_value(), "--tile", why);
     unused(command.rule.has_value(), "--rule", why);
     unused(command.repair.has_value(), "--repair", why);
+    unused(command.thicken.has_value(), "--thicken", why);
   }
+  const Repair repair = plan.author.repair.repair;
+  const bool wraps = (repair == Repair::kWrap || repair == Repair::kAuto) && !tile_of_input(command.input);
+  unused(command.wrap_alpha && !wraps, "--wrap-alpha", "where nothing is wrapped");
+  unused(command.wrap_offset && !wraps, "--wrap-offset", "where nothing is wrapped");
+  unused(command.stitch && (repair == Repair::kStrict || tile_of_input(command.input)), "--stitch",
+         "where nothing is stitched");
   unused(command.percolating && !reads_labels(plan.tile), "--percolating",
          "on a tile that is not made of labels");
 }
@@ -113,6 +147,7 @@ std::optional<Failure> make_convert_plan(const ConvertCommand& command, ConvertP
     plan.color = std::move(*color);
   }
   if (auto failure = parse_grid(command, plan.author)) return failure;
+  if (auto failure = parse_repair(command, plan.author.repair)) return failure;
   find_unused(command, plan);
   return check_files(command, plan);
 }

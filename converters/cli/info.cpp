@@ -1,7 +1,11 @@
 #include <nlohmann/json.hpp>
 
 #include "converters/cli/commands.h"
+#include "converters/cli/progress_bar.h"
+#include "converters/cli/repair_report.h"
 #include "converters/cli/representations.h"
+#include "converters/import/mesh_file.h"
+#include "sdk/membership/diagnose.h"
 
 namespace mesocell {
 namespace {
@@ -34,10 +38,50 @@ std::string info_text(const nlohmann::ordered_json& info) {
   return text;
 }
 
+/// What a mesh file holds and all that is amiss with it.
+int tell_mesh(const InfoCommand& command, const Console& console) {
+  ProgressBar bar(!console.quiet());
+  MeshReadReport report;
+  const Result<TriangleMesh> mesh = read_mesh_file(command.input, {}, &report, &bar.progress());
+  if (!mesh) {
+    bar.finish();
+    return console.fail(mesh.error(), command.input);
+  }
+  DiagnoseOptions options;
+  options.depth = DiagnosisDepth::kGeometry;
+  options.threads = command.common.threads;
+  const MeshDiagnosis diagnosis = diagnose(*mesh, options, &bar.progress());
+  bar.finish();
+  if (bar.progress().cancelled()) return console.fail({ErrorCode::kCancelled, "interrupted"}, {});
+  const Box3 box = bounding_box(*mesh);
+  nlohmann::ordered_json info;
+  info["format"] = report.format;
+  info["file_bytes"] = report.file_bytes;
+  info["polygons"] = report.polygons;
+  info["dropped_faces"] = report.dropped_faces;
+  info["vertices"] = mesh->vertices.size();
+  info["vertex_colors"] = report.vertex_colors;
+  info["box"]["min"] = to_array(box.min);
+  info["box"]["max"] = to_array(box.max);
+  info["volume"] = diagnosis.closed() ? nlohmann::ordered_json(signed_volume(*mesh)) : nullptr;
+  nlohmann::ordered_json found = diagnosis_json(diagnosis);
+  if (console.json()) {
+    info["diagnosis"] = std::move(found);
+    return console.finish(json_text(info));
+  }
+  found.erase("depth");
+  found.erase("findings");
+  info.update(found);
+  std::string text = info_text(info);
+  for (const MeshFinding& finding : findings(diagnosis)) text += describe(finding) + "\n";
+  return console.finish(text);
+}
+
 }  // namespace
 
 int run_info(const InfoCommand& command) {
   const Console console(command.common);
+  if (is_readable_mesh(command.input)) return tell_mesh(command, console);
   const Result<AssetFile> file = read_asset_file(command.input);
   if (!file) return console.fail(file.error(), command.input);
   const nlohmann::ordered_json info = describe_asset(*file);

@@ -19,6 +19,12 @@ constexpr std::array kVoxelizers = {
     Voxelizer{"openvdb",
               "OpenVDB meshToVolume, bands of 3 voxels, no flags: inside where the distance is below 0",
               voxelize_openvdb, prepare_openvdb},
+#ifdef MESOCELL_WRAP
+    Voxelizer{"alpha-wrap",
+              "CGAL's alpha wrap, alpha a 20th and offset a 600th of the diagonal of the mesh's box, then "
+              "its inside",
+              voxelize_alpha_wrap, nullptr},
+#endif
     Voxelizer{"ours", "as mesocell convert --repair auto", voxelize_ours, nullptr},
 };
 

@@ -41,6 +41,7 @@ Status voxelize_winding_exact(const TriangleMesh& mesh, BitGrid& out, unsigned t
 Status voxelize_winding_fast(const TriangleMesh& mesh, BitGrid& out, unsigned threads);
 Status voxelize_openvdb(const TriangleMesh& mesh, BitGrid& out, unsigned threads);
 Status prepare_openvdb();
+Status voxelize_alpha_wrap(const TriangleMesh& mesh, BitGrid& out, unsigned threads);
 Status voxelize_ours(const TriangleMesh& mesh, BitGrid& out, unsigned threads);
 
 }  // namespace mesocell

@@ -89,25 +89,27 @@ Result<GridLayout> lay_grid(const Box3& mesh_box, const Index3& resolution, cons
   return grid;
 }
 
-Result<CellObject> author_cell_object(const TriangleMesh& given, TileMap tile, const AuthorOptions& options,
-                                      AuthorReport* report, const Progress* progress) {
-  AuthorReport unused;
-  AuthorReport& out = report ? *report : unused;
-  out = {};
-  const Clock::time_point start = Clock::now();
-  Result<RepairedMesh> repaired = repair_mesh(given, options.repair, progress);
-  if (!repaired) return repaired.error();
-  const TriangleMesh& mesh = repaired->mesh ? *repaired->mesh : given;
-  out.repair = repaired->report;
-  out.warnings = std::move(repaired->warnings);
+namespace {
 
+/// A grid, and what is inside of a mesh in it.
+struct Voxelization {
+  GridLayout grid;
+  MembershipMap membership;
+  MembershipReport report;
+  bool has_cells = false;  ///< inside
+};
+
+Result<Voxelization> voxelize(const TriangleMesh& mesh, const TileMap& tile, const AuthorOptions& options,
+                              const Progress* progress) {
+  Voxelization out;
   const Box3 box = bounding_box(mesh);
   Result<GridLayout> grid = lay_grid(box, tile.resolution, options.grid);
   if (!grid) return grid.error();
+  out.grid = *grid;
   const Vec3 extent = box.extent();
   if (!(extent.x > 0 && extent.y > 0 && extent.z > 0))
-    return Error{ErrorCode::kInvalidInput,
-                 "the mesh is flat and encloses no volume; give it thickness in a mesh editor", "mesh-flat"};
+    return Error{ErrorCode::kInvalidInput, "the mesh is flat and encloses no volume; give it a thickness",
+                 "mesh-flat"};
 
   TriangleMesh voxel_mesh;
   voxel_mesh.triangles = mesh.triangles;
@@ -121,28 +123,72 @@ Result<CellObject> author_cell_object(const TriangleMesh& given, TileMap tile, c
           ErrorCode::kInvalidInput,
           "the mesh reaches more than 2^40 voxels beyond the grid; use a larger box or larger tiles"};
 
-  MembershipReport membership_report;
   Result<MembershipMap> membership =
       compute_membership(voxel_mesh, grid->tiles, tile, {.rule = options.rule, .threads = options.threads},
-                         &membership_report, progress);
+                         &out.report, progress);
   if (!membership) return membership.error();
+  out.membership = std::move(*membership);
+  out.has_cells = count_instances(out.membership).inside > 0;
+  return out;
+}
+
+/// Repairs a mesh and finds what is inside, by the first rung that suffices if that is asked for.
+Result<Voxelization> repair_and_voxelize(const TriangleMesh& given, const TileMap& tile,
+                                         const AuthorOptions& options, AuthorReport& out,
+                                         RepairedMesh& repaired, const Progress* progress) {
+  const auto attempt = [&](Repair repair) -> Result<Voxelization> {
+    RepairOptions repair_options = options.repair;
+    repair_options.repair = repair;
+    Result<RepairedMesh> result = repair_mesh(given, repair_options, progress, &out.diagnosis);
+    if (!result) return result.error();
+    repaired = std::move(*result);
+    // Pieces of a thickened mesh meet inside of it, where the rule would see surface.
+    if (repaired.report.rung == RepairRung::kThicken && options.rule == MembershipRule::kConservative)
+      return Error{ErrorCode::kUsage,
+                   "a mesh that is given a thickness can be filled by the rule centre alone; use that"};
+    return voxelize(repaired.mesh ? *repaired.mesh : given, tile, options, progress);
+  };
+  Result<Voxelization> found = attempt(options.repair.repair);
+  const auto bounds_nothing = [&] {
+    return found.ok() && repaired.report.rung == RepairRung::kWinding && !found->has_cells;
+  };
+  if (!bounds_nothing()) return found;
+  if (options.repair.repair == Repair::kAuto && options.repair.wrapper) {
+    Result<Voxelization> wrapped = attempt(Repair::kWrap);
+    if (wrapped.ok() ? wrapped->has_cells : wrapped.error().code == ErrorCode::kCancelled) return wrapped;
+  }
+  return Error{ErrorCode::kInvalidInput,
+               "it is open, and no cell fits inside of what its winding number calls inside; give it a "
+               "thickness (thicken), a wrap (repair wrap) or more tiles, or close it in a mesh editor",
+               "mesh-bounds-nothing"};
+}
+
+}  // namespace
+
+Result<CellObject> author_cell_object(const TriangleMesh& given, TileMap tile, const AuthorOptions& options,
+                                      AuthorReport* report, const Progress* progress) {
+  AuthorReport unused;
+  AuthorReport& out = report ? *report : unused;
+  out = {};
+  const Clock::time_point start = Clock::now();
+  RepairedMesh repaired;
+  Result<Voxelization> found = repair_and_voxelize(given, tile, options, out, repaired, progress);
+  if (!found) return found.error();
   out.voxelize_seconds = seconds_since(start);
-  if (membership_report.boundary_edges > 0 && membership_report.inside_voxels == 0)
-    return Error{ErrorCode::kInvalidInput,
-                 "it is open and encloses nothing that its winding number would call inside; close it or give it "
-                 "thickness in a mesh editor",
-                 "mesh-bounds-nothing"};
+  out.repair = repaired.report;
+  out.warnings = std::move(repaired.warnings);
+  out.repair.boundary_edges = found->report.boundary_edges;
+  out.repair.unsure_voxels = found->report.unsure_voxels;
 
   CellObject object;
-  object.grid = *grid;
+  object.grid = found->grid;
   object.tile = std::move(tile);
-  object.membership = std::move(*membership);
-  out.repair.boundary_edges = membership_report.boundary_edges;
-  out.repair.unsure_voxels = membership_report.unsure_voxels;
-  const bool closed = out.repair.boundary_edges == 0;
-  const double volume = closed ? signed_volume(mesh) : 0;
+  object.membership = std::move(found->membership);
+  // The volume of a thickened mesh is not that of its pieces, which overlap.
+  const bool whole = out.repair.boundary_edges == 0 && out.repair.rung != RepairRung::kThicken;
+  const double volume = whole ? signed_volume(repaired.mesh ? *repaired.mesh : given) : 0;
   out.mesh_volume = std::abs(volume);
-  if (!closed)
+  if (out.repair.boundary_edges > 0)
     out.warnings.push_back(
         {"mesh-open", "the mesh is open along " + std::to_string(out.repair.boundary_edges) +
                           " edges; what is inside was decided by its winding number, of " +
@@ -150,7 +196,7 @@ Result<CellObject> author_cell_object(const TriangleMesh& given, TileMap tile, c
   out.inside_volume = inside_volume(object);
   if (volume < 0)
     out.warnings.push_back({"mesh-inside-out", "the mesh is oriented inward; it was taken as a solid"});
-  if (count_instances(object.membership).inside == 0)
+  if (!found->has_cells)
     out.warnings.push_back({"no-inside-cells",
                             "no cell fits inside the mesh, so there is nothing to see; use "
                             "more tiles, or a tile of more cells"});

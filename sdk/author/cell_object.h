@@ -12,6 +12,7 @@
 #include "sdk/author/repair.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
+#include "sdk/membership/diagnose.h"
 
 namespace mesocell MESOCELL_API {
 
@@ -39,15 +40,17 @@ struct AuthorOptions {
 struct AuthorReport {
   double voxelize_seconds = 0;  ///< diagnosis, inside/outside and tags
   double surface_seconds = 0;   ///< normals and colors
-  double mesh_volume = 0;       ///< metres³, of the basic mesh, absolute; 0 if it is not closed
+  double mesh_volume = 0;  ///< metres³, of the basic mesh as repaired, absolute; 0 if it is not closed or was
+                           ///< given a thickness
   double inside_volume = 0;     ///< metres³, of the voxels of INSIDE instances
   RepairReport repair;
+  MeshDiagnosis diagnosis;  ///< of the mesh that was given, see repair_mesh(); set on failure, too
   std::vector<Warning> warnings;
 };
 
 /// Makes a cell object from a mesh and a tile. A mesh that is not closed is repaired as far as the options
-/// allow, and the report says how. Errors: kInvalidInput with the diagnosis if the mesh may not be repaired
-/// or has no extent; kLimit; kCancelled.
+/// allow, and the report says how. Errors: those of repair_mesh(); kInvalidInput if the mesh has no extent or
+/// is open and has no cell inside; kUsage (a thickness with rule conservative); kLimit; kCancelled.
 [[nodiscard]] Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile,
                                                     const AuthorOptions& options,
                                                     AuthorReport* report = nullptr,

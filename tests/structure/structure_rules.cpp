@@ -40,7 +40,7 @@ struct Folder {
   std::string_view may_include;  ///< folders, each followed by a blank
 };
 
-constexpr std::array<Folder, 15> kFolders = {{
+constexpr std::array<Folder, 16> kFolders = {{
     {"format/loader/", ""},
     {"format/", ""},
     {"sdk/core/", "format/ "},
@@ -48,6 +48,7 @@ constexpr std::array<Folder, 15> kFolders = {{
     {"sdk/membership/", "format/ sdk/core/ sdk/tiles/ "},
     {"sdk/surface/", "format/ sdk/core/ sdk/tiles/ sdk/membership/ "},
     {"sdk/author/", "format/ sdk/core/ sdk/tiles/ sdk/membership/ sdk/surface/ "},
+    {"sdk/wrap/", "format/ sdk/core/ "},
     {"sdk/trace/", "format/ sdk/core/ "},
     {"sdk/shade/", "format/ sdk/core/ sdk/trace/ "},
     {"sdk/measure/", "format/ sdk/core/ sdk/trace/ "},
@@ -65,7 +66,7 @@ struct ThirdParty {
 };
 
 constexpr std::array<ThirdParty, 10> kThirdParties = {{
-    {"CGAL/", "sdk/membership/ "},
+    {"CGAL/", "sdk/membership/ sdk/wrap/ "},
     {"OpenMesh/", "converters/import/openmesh_reader.cpp "},
     {"OpenImageIO/", "converters/image/image_module.cpp "},
     {"openvdb/", "converters/stability/methods/openvdb_module.cpp "},

@@ -7,14 +7,14 @@
 #include "sdk/core/parallel.h"
 #include "sdk/membership/open_solid.h"
 #include "sdk/membership/scanline.h"
+#ifdef MESOCELL_WRAP
+#include "sdk/wrap/alpha_wrap.h"
+#endif
 
 namespace mesocell {
+namespace {
 
-Status voxelize_ours(const TriangleMesh& given, BitGrid& out, unsigned threads) {
-  const Result<RepairedMesh> repaired = repair_mesh(given);
-  if (!repaired) return repaired.error();
-  const TriangleMesh& mesh = repaired->mesh ? *repaired->mesh : given;
-
+void voxelize_repaired(const TriangleMesh& mesh, BitGrid& out, unsigned threads) {
   const Index3& size = out.size();
   const Index3 resolution{64, 16, 16};
   Index3 tiles, covered;
@@ -41,6 +41,27 @@ Status voxelize_ours(const TriangleMesh& given, BitGrid& out, unsigned threads) 
         if (i.begin < size[0]) out.set_run(y, z, i.begin, std::min(i.end, size[0]));
     }
   });
+}
+
+bool any_inside(const BitGrid& grid) {
+  return std::ranges::any_of(grid.words(), [](std::uint64_t word) { return word != 0; });
+}
+
+}  // namespace
+
+Status voxelize_ours(const TriangleMesh& mesh, BitGrid& out, unsigned threads) {
+  RepairOptions options;
+#ifdef MESOCELL_WRAP
+  options.wrapper = alpha_wrap;
+#endif
+  Result<RepairedMesh> repaired = repair_mesh(mesh, options);
+  if (!repaired) return repaired.error();
+  voxelize_repaired(repaired->mesh ? *repaired->mesh : mesh, out, threads);
+  if (repaired->report.rung != RepairRung::kWinding || !options.wrapper || any_inside(out)) return {};
+  options.repair = Repair::kWrap;
+  repaired = repair_mesh(mesh, options);
+  if (!repaired) return repaired.error();
+  voxelize_repaired(repaired->mesh ? *repaired->mesh : mesh, out, threads);
   return {};
 }
 
