@@ -203,7 +203,7 @@ void add_stability(CLI::App& app, StabilityCommand& command) {
   sub->add_flag("--voxelize", command.voxelize, "Test inside/outside voxelization (this is what there is to test)");
   sub->add_flag("--benchmark", command.benchmark,
                 "Measure time, peak memory and wrong voxels at several sizes instead of the catalogue");
-  sub->add_option("--resolution", command.resolution, "Voxels along the longest side, 16 to 512 [40]")
+  sub->add_option("--resolution", command.resolution, "Voxels along the longest side, 16 to 512 [32]")
       ->type_name("N")
       ->check(CLI::Range(16u, 512u).description(""));
   sub->add_option("--sizes", command.sizes,
@@ -227,7 +227,7 @@ void add_stability(CLI::App& app, StabilityCommand& command) {
   sub->add_option("--cases", command.cases, "Cases whose name or group begins with one of these words [all]")
       ->type_name("WORD,...");
   sub->add_option("--max-seconds", command.max_seconds,
-                  "What takes longer is stopped and told as too long [20; 600 for --benchmark]")
+                  "What takes longer is stopped and told as too long [5; 600 for --benchmark]")
       ->type_name("S")
       ->check(CLI::Range(0.01, 86400.0).description(""));
   sub->add_option("--csv", command.csv, "Write all figures here")->type_name("FILE.csv");

@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Voxels along the longest side of a case of the catalogue: all of it takes about two minutes.
-constexpr std::uint32_t kResolution = 40;
+constexpr std::uint32_t kResolution = 32;
 
 std::vector<std::string> words_of(const std::string& list) {
   std::vector<std::string> words;
@@ -163,6 +163,9 @@ std::optional<Failure> check(const StabilityCommand& command) {
   if (!command.voxelize) return usage("stability", "say what to test: mesocell stability --voxelize");
   if (!command.picture.empty() && !has_extension(command.picture, ".svg"))
     return usage("--picture", "'" + command.picture + "' is no .svg file; give its name that extension");
+  if (command.pairs.size() % 2)
+    return usage("--pair", "'" + command.pairs.back() +
+                               "' is alone; give two files, the broken mesh and the sound one");
   if (command.benchmark && !command.picture.empty())
     return usage("--picture", "--benchmark has no heat map; leave one of them out");
   if (command.benchmark && command.resolution)
@@ -206,7 +209,7 @@ int run_catalogue(const StabilityCommand& command, const Console& console,
   std::vector<StabilityCase> cases;
   if (const auto failure = make_cases(command, bar.progress(), cases)) return console.fail(*failure);
   const MeasureOptions options{.threads = command.common.threads,
-                               .max_seconds = command.max_seconds.value_or(20)};
+                               .max_seconds = command.max_seconds.value_or(5)};
   const Result<std::vector<StabilityResult>> results =
       measure_stability(cases, methods, options, &bar.progress());
   bar.finish();

@@ -38,8 +38,8 @@ TEST_CASE("a mesh and a pair of one's own are measured") {
   const TriangleMesh sound = make_torus({0, 0, 0}, 1, 0.5, 20, 12);
   TriangleMesh broken = sound;
   broken.triangles.resize(broken.triangles.size() - 6);
-  const std::string a = folder.write("broken.off", mesh_bytes(broken, "a.off")),
-                    b = folder.write("sound.off", mesh_bytes(sound, "b.off"));
+  const std::string a = folder.write("broken.off", mesh_bytes(broken, "mesh.off")),
+                    b = folder.write("sound.off", mesh_bytes(sound, "mesh.off"));
   const Run pair = run_command({"stability", "--voxelize", "--resolution", "16", "--pair", a, b, "--cases",
                                 "pair", "--methods", "signed-count,ours", "--json"});
   INFO(pair.err);
@@ -77,7 +77,7 @@ TEST_CASE("mistakes on the command line of stability end with 2 and say what to 
            {{"--voxelize", "--sizes", "64"}, "--benchmark"},
            {{"--voxelize", "--benchmark", "--sizes", "64,many"}, "number"},
            {{"--voxelize", "--benchmark", "--resolution", "64"}, "--sizes"},
-           {{"--voxelize", "--pair", "a.off"}, "--help"}}) {
+           {{"--voxelize", "--pair", "a.off"}, "two files"}}) {
     std::vector<std::string> all{"stability"};
     all.insert(all.end(), words.begin(), words.end());
     const Run run = run_command(all);
