@@ -9,7 +9,7 @@ namespace mesocell {
 namespace {
 
 // Pixels.
-constexpr int kLabelWidth = 250, kCellWidth = 96, kCellHeight = 19, kHead = 92, kGroupGap = 24, kMargin = 14,
+constexpr int kLabelWidth = 250, kCellWidth = 104, kCellHeight = 19, kHead = 92, kGroupGap = 24, kMargin = 14,
               kLegend = 64;
 
 struct Color {
