@@ -153,6 +153,7 @@ Json benchmark_json(std::span<const StabilityResult> results) {
                             .failed = r.run.outcome == RunOutcome::kFailed,
                             .voxels = r.voxels,
                             .seconds = r.run.seconds}));
+    entry["cpu_seconds"] = r.run.cpu_seconds;
     entry["memory_bytes"] = r.run.memory_bytes;
     json["results"].push_back(std::move(entry));
   }
@@ -292,7 +293,7 @@ std::string stability_help() {
          "wrong_percent (of "
          "inside), wrong_far_percent (of far), seconds}}]; of --benchmark: kind, results [mesh, case, size, "
          "method, "
-         "memory_bytes and the same]\n\n"
+         "cpu_seconds, memory_bytes and the same]\n\n"
          "Example:\n  mesocell stability --voxelize --csv table.csv --markdown table.md --picture table.svg\n"
          "  mesocell stability --voxelize --mesh bunny.off --cases holes,clean --methods openvdb,ours\n"
          "  mesocell stability --voxelize --pair elephant-with-holes.off elephant.off --cases pair\n"

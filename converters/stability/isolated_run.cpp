@@ -25,7 +25,7 @@ double seconds_since(Clock::time_point start) {
 /// What the child tells; written at once, it is below the size that a pipe takes whole.
 struct Report {
   std::uint8_t failed;
-  double seconds;
+  double seconds, cpu_seconds;
   std::uint64_t memory_bytes;
   char message[512];
 };
@@ -41,6 +41,11 @@ std::uint64_t resident_bytes() {
   return resident * std::uint64_t(sysconf(_SC_PAGESIZE));
 }
 
+double cpu_seconds(const rusage& usage) {
+  const auto seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 [[noreturn]] void run_child(const Voxelizer& method, const TriangleMesh& mesh, BitGrid& out, unsigned threads,
                             int pipe) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -48,6 +53,9 @@ std::uint64_t resident_bytes() {
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_DFL);
   Report report{};
+  rusage first{};
+  getrusage(RUSAGE_SELF, &first);
+  const double cpu_before = cpu_seconds(first);
   const std::uint64_t before = resident_bytes();
   const Clock::time_point start = Clock::now();
   std::string message;
@@ -63,6 +71,7 @@ std::uint64_t resident_bytes() {
   report.seconds = seconds_since(start);
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
+  report.cpu_seconds = cpu_seconds(usage) - cpu_before;
   report.memory_bytes = std::max(std::uint64_t(usage.ru_maxrss) * 1024, before) - before;
   std::memcpy(report.message, message.data(), std::min(message.size(), sizeof report.message - 1));
   const ssize_t written = write(pipe, &report, sizeof report);
@@ -126,6 +135,7 @@ Result<IsolatedRun> run_isolated(const Voxelizer& method, const TriangleMesh& me
     return run;
   }
   run.seconds = report.seconds;
+  run.cpu_seconds = report.failed ? 0 : report.cpu_seconds;
   run.memory_bytes = report.failed ? 0 : report.memory_bytes;
   run.outcome = report.failed ? RunOutcome::kFailed : RunOutcome::kDone;
   report.message[sizeof report.message - 1] = 0;

@@ -15,6 +15,7 @@ struct IsolatedRun {
   RunOutcome outcome = RunOutcome::kFailed;
   std::string message;             ///< of kFailed: what the method said, or how its process ended
   double seconds = 0;              ///< of the method alone, wall clock
+  double cpu_seconds = 0;          ///< the same, of all processors together; 0 unless kDone
   std::uint64_t memory_bytes = 0;  ///< the most it had above what was there when it began; 0 unless kDone
 };
 

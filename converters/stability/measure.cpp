@@ -78,17 +78,22 @@ void mark_near(BitGrid& near, const TriangleMesh& mesh, unsigned threads) {
 /// last.
 Result<IsolatedRun> run_repeatedly(const Voxelizer& method, const TriangleMesh& mesh, BitGrid& found,
                                    const MeasureOptions& options, const Progress* progress) {
-  std::vector<double> seconds;
+  std::vector<double> seconds, cpu_seconds;
   std::uint64_t memory_bytes = 0;
   for (;;) {
     Result<IsolatedRun> run =
         run_isolated(method, mesh, found, options.threads, options.max_seconds, progress);
     if (!run || run->outcome != RunOutcome::kDone) return run;
     seconds.push_back(run->seconds);
+    cpu_seconds.push_back(run->cpu_seconds);
     memory_bytes = std::max(memory_bytes, run->memory_bytes);
     if (seconds.size() < options.repeat) continue;
-    std::ranges::nth_element(seconds, seconds.begin() + seconds.size() / 2);
-    run->seconds = seconds[seconds.size() / 2];
+    const auto median = [](std::vector<double>& values) {
+      std::ranges::sort(values);
+      return values[values.size() / 2];
+    };
+    run->seconds = median(seconds);
+    run->cpu_seconds = median(cpu_seconds);
     run->memory_bytes = memory_bytes;
     return run;
   }

@@ -92,7 +92,7 @@ std::string cell_text(const StabilityTable::Cell& cell) {
 std::string stability_csv(std::span<const StabilityResult> results) {
   std::string out =
       "group,case,strength,mesh,method,size_x,size_y,size_z,outcome,wrong,wrong_far,inside,far,voxels,"
-      "wrong_percent_of_inside,wrong_far_percent_of_far,seconds,memory_bytes,message\n";
+      "wrong_percent_of_inside,wrong_far_percent_of_far,seconds,cpu_seconds,memory_bytes,message\n";
   for (const StabilityResult& r : results) {
     for (const std::string& field : {r.group, r.name, r.strength, r.mesh, r.method})
       out += csv_field(field) + ",";
@@ -106,7 +106,7 @@ std::string stability_csv(std::span<const StabilityResult> results) {
     char text[128];
     std::snprintf(text, sizeof text, "%.6g,%.6g,", v.wrong_percent(), v.wrong_far_percent());
     out += done ? text : ",,";
-    std::snprintf(text, sizeof text, "%.6f,", r.run.seconds);
+    std::snprintf(text, sizeof text, "%.6f,%.6f,", r.run.seconds, r.run.cpu_seconds);
     out += text + std::to_string(r.run.memory_bytes) + "," + csv_field(r.run.message) + "\n";
   }
   return out;
@@ -125,19 +125,21 @@ std::string stability_markdown(const StabilityTable& table) {
 
 std::string benchmark_markdown(std::span<const StabilityResult> results) {
   std::string out =
-      "| mesh | case | voxels | method | time | peak memory | wrong voxels | % of those inside | wrong over "
+      "| mesh | case | voxels | method | time | processor time | peak memory | wrong voxels | % of those "
+      "inside | wrong over "
       "two voxels "
-      "from the surface |\n|---|---|---:|---|---:|---:|---:|---:|---:|\n";
+      "from the surface |\n|---|---|---:|---|---:|---:|---:|---:|---:|---:|\n";
   for (const StabilityResult& r : results) {
     char text[256];
     out += "| " + r.mesh + " | " + r.row() + " | " + std::to_string(r.size[0]) + "×" +
            std::to_string(r.size[1]) + "×" + std::to_string(r.size[2]) + " | " + r.method + " | ";
     if (r.run.outcome != RunOutcome::kDone) {
-      std::snprintf(text, sizeof text, "%s after %.1f s | | | | |\n", outcome_name(r.run.outcome),
+      std::snprintf(text, sizeof text, "%s after %.1f s | | | | | |\n", outcome_name(r.run.outcome),
                     r.run.seconds);
     } else {
-      std::snprintf(text, sizeof text, "%.3f s | %.0f MB | %llu | %s | %llu |\n", r.run.seconds,
-                    double(r.run.memory_bytes) * 1e-6, static_cast<unsigned long long>(r.voxels.wrong),
+      std::snprintf(text, sizeof text, "%.3f s | %.3f s | %.0f MB | %llu | %s | %llu |\n", r.run.seconds,
+                    r.run.cpu_seconds, double(r.run.memory_bytes) * 1e-6,
+                    static_cast<unsigned long long>(r.voxels.wrong),
                     percent_text(r.voxels.wrong_percent()).c_str(),
                     static_cast<unsigned long long>(r.voxels.wrong_far));
     }

@@ -10,7 +10,7 @@ using namespace mesocell;
 namespace {
 
 std::vector<StabilityResult> some_results() {
-  const IsolatedRun done{RunOutcome::kDone, "", 0.5, 1000};
+  const IsolatedRun done{RunOutcome::kDone, "", 0.5, 0.9, 1000};
   return {
       {"clean", "clean", "", "a", "parity-x", {4, 4, 4}, done, {0, 0, 10, 20, 64}},
       {"clean", "clean", "", "a", "ours", {4, 4, 4}, done, {1, 0, 10, 20, 64}},
@@ -22,7 +22,7 @@ std::vector<StabilityResult> some_results() {
        "a",
        "parity-x",
        {4, 4, 4},
-       {RunOutcome::kTooLong, "", 9, 0},
+       {RunOutcome::kTooLong, "", 9, 0, 0},
        {}},
       {"damage",
        "odd, \"quoted\" <&>|",
@@ -30,7 +30,7 @@ std::vector<StabilityResult> some_results() {
        "a",
        "ours",
        {4, 4, 4},
-       {RunOutcome::kFailed, "no\nmemory", 1, 0},
+       {RunOutcome::kFailed, "no\nmemory", 1, 0, 0},
        {}},
   };
 }
