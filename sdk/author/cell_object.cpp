@@ -139,6 +139,7 @@ Result<Voxelization> repair_and_voxelize(const TriangleMesh& given, const TileMa
   const auto attempt = [&](Repair repair) -> Result<Voxelization> {
     RepairOptions repair_options = options.repair;
     repair_options.repair = repair;
+    repair_options.threads = options.threads;
     Result<RepairedMesh> result = repair_mesh(given, repair_options, progress, &out.diagnosis);
     if (!result) return result.error();
     repaired = std::move(*result);
@@ -155,6 +156,9 @@ Result<Voxelization> repair_and_voxelize(const TriangleMesh& given, const TileMa
   if (!bounds_nothing()) return found;
   if (options.repair.repair == Repair::kAuto && options.repair.wrapper) {
     Result<Voxelization> wrapped = attempt(Repair::kWrap);
+    if (wrapped.ok() && wrapped->has_cells)
+      repaired.warnings.push_back({"mesh-bounds-nothing", "no cell fits inside of what its winding number calls "
+                                                          "inside, so its wrap was taken"});
     if (wrapped.ok() ? wrapped->has_cells : wrapped.error().code == ErrorCode::kCancelled) return wrapped;
   }
   return Error{ErrorCode::kInvalidInput,

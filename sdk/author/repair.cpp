@@ -121,7 +121,12 @@ Result<RepairedMesh> repair_mesh(const TriangleMesh& mesh, const RepairOptions& 
   RepairedMesh out;
   MeshDiagnosis diagnosis = diagnose(mesh);
   const bool closed = diagnosis.closed();
-  if (!closed) diagnosis = diagnose(mesh, {DiagnosisDepth::kTopology}, progress);
+  if (!closed) {
+    DiagnoseOptions whole;
+    whole.depth = DiagnosisDepth::kGeometry;
+    whole.threads = options.threads;
+    diagnosis = diagnose(mesh, whole, progress);
+  }
   if (found) *found = diagnosis;
   if (progress && progress->cancelled()) return cancelled;
   const auto refused = [&](const char* remedy) {

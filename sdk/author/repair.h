@@ -46,6 +46,7 @@ struct RepairOptions {
   MeshWrapper wrapper = nullptr;  ///< empty: kWrap is refused (kUsage)
   double wrap_alpha = 0;          ///< metres; 0: a twentieth of the diagonal of the mesh's box
   double wrap_offset = 0;         ///< metres; 0: a thirtieth of alpha
+  unsigned threads = 0;           ///< 0: the machine's; the result does not depend on it
 };
 
 /// What was done to a mesh. Lengths in metres.
@@ -82,7 +83,7 @@ struct RepairedMesh {
 /// Repairs a mesh on the way to a cell object; compute_membership() decides what is inside of what is left.
 /// Stitching is first, as turning goes from triangle to triangle and so must find the seams closed.
 /// - `found`: is given what is amiss with `mesh`, also on failure: edges alone if it is closed, else to
-///   DiagnosisDepth::kTopology
+///   DiagnosisDepth::kGeometry
 /// - errors: kInvalidInput with the diagnosis if the mesh may not be repaired, kUsage, those of thicken() and
 ///   of the wrapper, kCancelled
 [[nodiscard]] Result<RepairedMesh> repair_mesh(const TriangleMesh& mesh, const RepairOptions& options = {},
