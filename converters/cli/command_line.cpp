@@ -227,7 +227,7 @@ void add_stability(CLI::App& app, StabilityCommand& command) {
   sub->add_option("--cases", command.cases, "Cases whose name or group begins with one of these words [all]")
       ->type_name("WORD,...");
   sub->add_option("--max-seconds", command.max_seconds,
-                  "What takes longer is stopped and told as too long [5; 600 for --benchmark]")
+                  "Processor time; what takes more is stopped and told as too long [5; 600 for --benchmark]")
       ->type_name("S")
       ->check(CLI::Range(0.01, 86400.0).description(""));
   sub->add_option("--csv", command.csv, "Write all figures here")->type_name("FILE.csv");

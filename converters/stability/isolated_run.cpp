@@ -11,12 +11,17 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <exception>
 
 namespace mesocell {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// Wall clock seconds for each second of processor time that is allowed: for busy machines, and methods that
+/// hang.
+constexpr double kPatience = 20;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -44,6 +49,14 @@ std::uint64_t resident_bytes() {
 double cpu_seconds(const rusage& usage) {
   const auto seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// Of a child that still runs or was not waited for.
+double cpu_seconds(pid_t child) {
+  clockid_t clock{};
+  timespec time{};
+  if (clock_getcpuclockid(child, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0;
+  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
 [[noreturn]] void run_child(const Voxelizer& method, const TriangleMesh& mesh, BitGrid& out, unsigned threads,
@@ -115,7 +128,7 @@ Result<IsolatedRun> run_isolated(const Voxelizer& method, const TriangleMesh& me
   while (poll(&waiting, 1, 20) <= 0) {
     cancelled = progress && progress->cancelled();
     run.seconds = seconds_since(start);
-    if (!cancelled && run.seconds <= max_seconds) continue;
+    if (!cancelled && run.seconds <= kPatience * max_seconds && cpu_seconds(child) <= max_seconds) continue;
     run.outcome = RunOutcome::kTooLong;
     kill(child, SIGKILL);
     break;

@@ -56,7 +56,7 @@ struct Truth {
 
 struct MeasureOptions {
   unsigned threads = 0;
-  double max_seconds = 20;  ///< for each run
+  double max_seconds = 20;  ///< of processor time, for each run
   unsigned repeat = 1;      ///< runs of each method on each case; the median of their times is kept
 };
 
