@@ -11,6 +11,7 @@
 #include "converters/cli/commands.h"
 #include "converters/cli/convert_plan.h"
 #include "converters/cli/exit_codes.h"
+#include "converters/cli/stability.h"
 #include "converters/import/mesh_file.h"
 #include "converters/import/volume_file.h"
 #include "format/container_scan.h"
@@ -202,6 +203,46 @@ void add_compare(CLI::App& app, CompareCommand& command) {
       "  mesocell compare bunny.meso bunny.off --tolerance 0.5 --json\n");
 }
 
+void add_stability(CLI::App& app, StabilityCommand& command) {
+  CLI::App* sub = app.add_subcommand("stability", "Compare methods on damaged meshes, by their errors and cost");
+  sub->add_flag("--voxelize", command.voxelize, "Test inside/outside voxelization (this is what there is to test)");
+  sub->add_flag("--benchmark", command.benchmark,
+                "Measure time, peak memory and wrong voxels at several sizes instead of the catalogue");
+  sub->add_option("--resolution", command.resolution, "Voxels along the longest side, 16 to 512 [32]")
+      ->type_name("N")
+      ->check(CLI::Range(16u, 512u).description(""));
+  sub->add_option("--sizes", command.sizes,
+                  "Voxels along the longest side for --benchmark, each 16 to 2048 [256,512,1024]")
+      ->type_name("N,...");
+  sub->add_option("--repeat", command.repeat, "Runs of --benchmark, the median is told, 1 to 99 [1]")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 99u).description(""));
+  sub->add_option("--mesh", command.meshes,
+                  std::string("A closed mesh to damage, instead of generated ones: ") + kMeshExtensions +
+                      "; may be repeated")
+      ->type_name("MESH")
+      ->expected(1)
+      ->take_all();
+  sub->add_option("--pair", command.pairs,
+                  "A broken mesh and its sound twin in the same place; may be repeated")
+      ->type_name("BROKEN SOUND")
+      ->expected(2)
+      ->take_all();
+  sub->add_option("--methods", command.methods, stability_methods_help())->type_name("NAME,...");
+  sub->add_option("--cases", command.cases, "Cases whose name or group begins with one of these words [all]")
+      ->type_name("WORD,...");
+  sub->add_option("--max-seconds", command.max_seconds,
+                  "Processor time; what takes more is stopped and told as too long [5; 600 for --benchmark]")
+      ->type_name("S")
+      ->check(CLI::Range(0.01, 86400.0).description(""));
+  sub->add_option("--csv", command.csv, "Write all figures here")->type_name("FILE.csv");
+  sub->add_option("--markdown", command.markdown, "Write tables here")->type_name("FILE.md");
+  sub->add_option("--picture", command.picture, "Write a heat map here")->type_name("FILE.svg");
+  add_no_clobber(*sub, command.no_clobber);
+  add_common(*sub, command.common);
+  sub->footer(stability_help());
+}
+
 /// The words of the command line, last first, as the parser takes them. A vector whose first number is
 /// negative and begins with a point ("-.5,0,1") looks like an option to the parser, so it is joined to its
 /// option.
@@ -258,11 +299,13 @@ int run_command_line(int argc, char** argv) {
   ValidateCommand validate;
   RenderCommand render;
   CompareCommand compare;
+  StabilityCommand stability;
   add_convert(app, convert);
   add_info(app, info);
   add_validate(app, validate);
   add_render(app, render);
   add_compare(app, compare);
+  add_stability(app, stability);
   try {
     app.parse(parser_words(argc, argv));
   } catch (const CLI::Success& wish) {
@@ -274,6 +317,7 @@ int run_command_line(int argc, char** argv) {
   if (app.got_subcommand("info")) return run_info(info);
   if (app.got_subcommand("validate")) return run_validate(validate);
   if (app.got_subcommand("compare")) return run_compare(compare);
+  if (app.got_subcommand("stability")) return run_stability(stability);
   return run_render(render);
 }
 

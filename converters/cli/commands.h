@@ -73,4 +73,20 @@ struct CompareCommand {
 /// The bytes of an input, as read_file() gives them, with a remedy in the message of every failure.
 [[nodiscard]] Result<std::vector<std::byte>> read_input(const std::string& path, std::uint64_t max_bytes);
 
+struct StabilityCommand {
+  CommonOptions common;
+  bool voxelize = false;
+  bool benchmark = false;
+  std::optional<std::uint32_t> resolution;
+  std::vector<std::string> meshes;
+  std::vector<std::string> pairs;  ///< broken and sound in turn
+  std::string methods, cases;
+  std::optional<std::string> sizes;
+  std::string csv, markdown, picture;
+  std::optional<double> max_seconds;
+  std::uint32_t repeat = 1;
+  bool no_clobber = false;
+};
+[[nodiscard]] int run_stability(const StabilityCommand& command);
+
 }  // namespace mesocell

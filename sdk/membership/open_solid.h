@@ -5,12 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "format/api.h"
 #include "format/cell_object.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
 #include "sdk/membership/winding_field.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_INTERNAL_API {
 
 /// The inside of a mesh that is not closed, by its generalized winding number w: the points with |w| > 1/2.
 /// [Jacobson 2013]

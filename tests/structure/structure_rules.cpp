@@ -40,7 +40,7 @@ struct Folder {
   std::string_view may_include;  ///< folders, each followed by a blank
 };
 
-constexpr std::array<Folder, 15> kFolders = {{
+constexpr std::array<Folder, 16> kFolders = {{
     {"format/loader/", ""},
     {"format/", ""},
     {"sdk/core/", "format/ "},
@@ -54,6 +54,7 @@ constexpr std::array<Folder, 15> kFolders = {{
     {"sdk/measure/", "format/ sdk/core/ sdk/trace/ "},
     {"converters/image/", "format/ sdk/ "},
     {"converters/import/", "format/ sdk/ converters/image/ "},
+    {"converters/stability/", "format/ sdk/ converters/image/ "},
     {"converters/cli/", "format/ sdk/ converters/ "},
     {"samples/", "format/ sdk/ converters/ "},
 }};
@@ -64,10 +65,12 @@ struct ThirdParty {
   std::string_view where;
 };
 
-constexpr std::array<ThirdParty, 8> kThirdParties = {{
+constexpr std::array<ThirdParty, 10> kThirdParties = {{
     {"CGAL/", "sdk/membership/ sdk/wrap/ "},
     {"OpenMesh/", "converters/import/openmesh_reader.cpp "},
     {"OpenImageIO/", "converters/image/image_module.cpp "},
+    {"openvdb/", "converters/stability/methods/openvdb_module.cpp "},
+    {"tbb/", "converters/stability/methods/openvdb_module.cpp "},
     {"CLI/", "converters/cli/command_line.cpp "},
     {"nlohmann/", "converters/cli/ "},
     {"zstd", "format/ "},
