@@ -114,6 +114,16 @@ const char* rung_name(RepairRung rung) {
   return "none";
 }
 
+namespace {
+
+/// Whether so many edges have three triangles or more that which of them bound what is anyone's guess: more than a
+/// tenth. Orientation does not go across such edges, so a winding number would be noise.
+bool tangled(const TriangleMesh& mesh) {
+  return diagnose(mesh).non_manifold_edges * 10 > mesh.triangles.size() * 3 / 2;
+}
+
+}  // namespace
+
 Result<RepairedMesh> repair_mesh(const TriangleMesh& mesh, const RepairOptions& options,
                                  const Progress* progress, MeshDiagnosis* found) {
   const Error cancelled{ErrorCode::kCancelled, "cancelled"};
@@ -160,6 +170,20 @@ Result<RepairedMesh> repair_mesh(const TriangleMesh& mesh, const RepairOptions& 
         "number or a wrap decide");
   else if (!oriented.closed && options.repair == Repair::kWrap)
     status = wrap(options, progress, oriented.mesh, out);
+  else if (!oriented.closed && options.repair == Repair::kAuto && options.wrapper && tangled(oriented.mesh)) {
+    // Where it can't be wrapped either, the winding number is asked all the same.
+    TriangleMesh wrapped = oriented.mesh;
+    RepairedMesh tried = out;
+    status = wrap(options, progress, wrapped, tried);
+    if (!status && status.error().code == ErrorCode::kCancelled) return status.error();
+    if (status.ok()) {
+      out = std::move(tried);
+      oriented.mesh = std::move(wrapped);
+      out.warnings.push_back({"mesh-tangled", "too many of its edges have three triangles or more to tell what "
+                                              "they bound, so its wrap was taken"});
+    }
+    status = {};
+  }
   if (!status) return status.error();
   out.mesh = std::move(oriented.mesh);
   return out;

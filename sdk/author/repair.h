@@ -22,8 +22,9 @@ enum class Repair : std::uint8_t {
   kWinding,  ///< if that does not close it, the generalized winding number decides what is inside
              ///< [Jacobson 2013]
   kWrap,     ///< if that does not close it, it is replaced by its alpha wrap; no winding number is asked
-  kAuto,     ///< the first of them that suffices: as kWinding, and as kWrap, if there is a wrapper, where no
-             ///< cell is inside by the winding number. A wrap that has no cell inside either is no solid.
+  kAuto,     ///< the first of them that suffices: as kWinding, and as kWrap, if there is a wrapper, where more
+             ///< than a tenth of the edges have three triangles or more, or no cell is inside by the winding
+             ///< number. A wrap that has no cell inside either is no solid.
 };
 
 /// What decided what is inside.

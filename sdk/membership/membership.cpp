@@ -8,10 +8,7 @@
 #include <vector>
 
 #include "sdk/core/parallel.h"
-#include "sdk/membership/cap.h"
-#include "sdk/membership/mesh_topology.h"
-#include "sdk/membership/open_solid.h"
-#include "sdk/membership/scanline.h"
+#include "sdk/membership/solid_scan.h"
 #include "sdk/membership/touch.h"
 
 namespace mesocell {
@@ -343,16 +340,8 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
                                          const MembershipOptions& options, MembershipReport* report,
                                          const Progress* progress) {
   const Error cancelled{ErrorCode::kCancelled, "cancelled"};
-  const Index3 size{tiles[0] * tile.resolution[0], tiles[1] * tile.resolution[1],
-                    tiles[2] * tile.resolution[2]};
-  std::optional<TriangleMesh> outward;
-  if (options.solid == SolidRule::kOuter) outward = turn_outward(mesh);
-  const TriangleMesh& turned = outward ? *outward : mesh;
-  const std::vector<std::array<std::uint32_t, 2>> chain = boundary_chain(merge_corners(turned));
-  std::optional<OpenSolid> open;
-  if (!chain.empty()) open.emplace(turned, chain, size, options.threads, progress);
-  const Scanline scanline(open ? open->closed() : turned, tile.resolution, tiles, open ? &*open : nullptr,
-                          options.solid);
+  const SolidScan scan(mesh, tile.resolution, tiles, options.solid, options.threads, progress);
+  if (progress && progress->cancelled()) return cancelled;
   const TileRows rows = rows_of(tile);
   std::optional<TouchFinder> finder;
   if (options.rule == MembershipRule::kConservative) finder.emplace(tile);
@@ -374,12 +363,12 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
       [&](std::size_t b, unsigned w) {
         if (over) return;
         Worker& worker = workers[w];
-        scanline.bundle(std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]), worker.scratch,
-                        worker.intervals);
+        scan.bundle(std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]), worker.scratch,
+                    worker.intervals);
         const std::span<TileState> found = worker.bundle.run(worker.intervals);
         if (finder)
           for (const std::uint32_t t :
-               scanline.triangles(std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]))) {
+               scan.triangles(std::uint32_t(b % tiles[1]), std::uint32_t(b / tiles[1]))) {
             if (t >= mesh.triangles.size()) continue;
             const Triangle& v = mesh.triangles[t];
             worker.bundle.touch(*finder, {mesh.vertices[v[0]], mesh.vertices[v[1]], mesh.vertices[v[2]]},
@@ -423,7 +412,7 @@ Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3&
     first_block = next;
   }
   if (report) {
-    *report = {.inside_voxels = inside, .mixed_tiles = mixed, .boundary_edges = chain.size()};
+    *report = {.inside_voxels = inside, .mixed_tiles = mixed, .boundary_edges = scan.boundary_edges()};
     for (const Worker& worker : workers) report->unsure_voxels += worker.scratch.unsure;
   }
   return map;

@@ -79,6 +79,7 @@ class ShareSum {
     const double rest = product + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
     // Near the plane the sign decides between both sides of a triangle; there rounding must not.
     if (std::abs(volume) < 1e-12 * product || product == 0) {
+      if (rest > 1e-6 * product) return;  // seen from its edge
       const int s = -side(triangle[0], triangle[1], triangle[2], p);
       if (s == 0) return;
       volume = s * std::abs(volume);

@@ -5,8 +5,7 @@
 #include "converters/stability/voxelizer.h"
 #include "sdk/author/repair.h"
 #include "sdk/core/parallel.h"
-#include "sdk/membership/open_solid.h"
-#include "sdk/membership/scanline.h"
+#include "sdk/membership/solid_scan.h"
 #ifdef MESOCELL_WRAP
 #include "sdk/wrap/alpha_wrap.h"
 #endif
@@ -17,13 +16,9 @@ namespace {
 void voxelize_repaired(const TriangleMesh& mesh, BitGrid& out, unsigned threads) {
   const Index3& size = out.size();
   const Index3 resolution{64, 16, 16};
-  Index3 tiles, covered;
-  for (std::size_t a = 0; a < 3; ++a) {
-    tiles[a] = (size[a] + resolution[a] - 1) / resolution[a];
-    covered[a] = tiles[a] * resolution[a];
-  }
-  const OpenSolid open(mesh, covered);
-  const Scanline scanline(open.closed(), resolution, tiles, open.was_closed() ? nullptr : &open);
+  Index3 tiles;
+  for (std::size_t a = 0; a < 3; ++a) tiles[a] = (size[a] + resolution[a] - 1) / resolution[a];
+  const SolidScan scan(mesh, resolution, tiles, SolidRule::kNonzero, threads);
   struct Worker {
     Scanline::Scratch scratch;
     RowIntervals intervals;
@@ -32,7 +27,7 @@ void voxelize_repaired(const TriangleMesh& mesh, BitGrid& out, unsigned threads)
   parallel_for(std::size_t{tiles[1]} * tiles[2], unsigned(workers.size()), [&](std::size_t b, unsigned w) {
     Worker& worker = workers[w];
     const std::uint32_t ty = std::uint32_t(b % tiles[1]), tz = std::uint32_t(b / tiles[1]);
-    scanline.bundle(ty, tz, worker.scratch, worker.intervals);
+    scan.bundle(ty, tz, worker.scratch, worker.intervals);
     for (std::uint32_t r = 0; r < resolution[1] * resolution[2]; ++r) {
       const std::uint32_t y = ty * resolution[1] + r % resolution[1],
                           z = tz * resolution[2] + r / resolution[1];
