@@ -36,6 +36,7 @@ struct TileRows {
   std::vector<std::uint32_t> first, first_set;
   std::vector<Run> runs;
   std::vector<PieceBits> sets;
+  std::vector<std::uint64_t> only_word;  ///< of each row, if the pieces fit in one word
 };
 
 /// Adds what the runs of the last row have in them.
@@ -69,6 +70,8 @@ TileRows rows_of(const TileMap& tile) {
   }
   rows.first.push_back(std::uint32_t(rows.runs.size()));
   rows.first_set.push_back(std::uint32_t(rows.sets.size()));
+  if (tile.pieces.size() < 64)
+    for (const PieceBits& set : rows.sets) rows.only_word.push_back(set.bits);
   return rows;
 }
 
@@ -84,6 +87,9 @@ class Bundle {
   Bundle(const TileMap& tile, const TileRows& rows, std::uint32_t tiles) : tile_(tile), rows_(rows) {
     states_.resize(tiles);
     inside_.resize(tiles);
+    place_.resize(tiles);
+    covered_.resize((tiles + 63) / 64 * kRowsAtOnce);
+    cut_.resize(covered_.size());
   }
 
   std::span<TileState> run(const RowIntervals& intervals) {
@@ -95,12 +101,20 @@ class Bundle {
       states_[t].pieces.clear();
       if (states_[t].uniform != kBoth) continue;
       states_[t].pieces.assign(tile_.pieces.size() + 1, kNone);
+      place_[t] = std::uint32_t(mixed_.size());
       mixed_.push_back(t);
     }
     if (mixed_.empty()) return states_;
     const std::size_t words = tile_.pieces.size() / 64 + 1;
     seen_.assign(2 * words * mixed_.size(), 0);
-    for (std::size_t r = 0; r + 1 < rows_.first.size(); ++r) mark_row(r, words, intervals.row(r));
+    const std::size_t rows = rows_.first.size() - 1;
+    for (std::size_t begin = 0; begin < rows; begin += kRowsAtOnce) {
+      const std::size_t end = std::min(begin + kRowsAtOnce, rows);
+      std::fill(covered_.begin(), covered_.end(), 0);
+      std::fill(cut_.begin(), cut_.end(), 0);
+      for (std::size_t r = begin; r < end; ++r) mark_cut_tiles(r, r - begin, words, intervals.row(r));
+      mark_whole_tiles(begin, end, words);
+    }
     for (std::size_t m = 0; m < mixed_.size(); ++m) {
       const std::uint64_t* const out = &seen_[2 * words * m];
       const std::uint64_t* const in = out + words;
@@ -166,32 +180,72 @@ class Bundle {
     }
   }
 
-  void mark_row(std::size_t r, std::size_t words, std::span<const Interval> intervals) {
+  /// Notes which tiles the inside covers wholly in row r, the k-th of those at hand, and which it cuts; marks
+  /// the pieces in the latter.
+  void mark_cut_tiles(std::size_t r, std::size_t k, std::size_t words, std::span<const Interval> intervals) {
     const std::uint32_t width = tile_.resolution[0];
-    const std::span<const PieceBits> all{rows_.sets.data() + rows_.first_set[r],
-                                         rows_.sets.data() + rows_.first_set[r + 1]};
-    std::size_t k = 0;
+    std::uint32_t next = 0;  // tiles before it are done
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+      const auto& [begin, end] = intervals[i];
+      const std::uint32_t a = begin / width, b = end / width, whole = a + (begin != a * width);
+      for (std::uint32_t t = whole; t < b; t = (t / 64 + 1) * 64) {
+        const std::uint32_t last = std::min(b, (t / 64 + 1) * 64);
+        covered_[k + kRowsAtOnce * (t / 64)] |= ~std::uint64_t{0} >> (64 - (last - t)) << (t % 64);
+      }
+      const auto cut = [&](std::uint32_t t) {
+        if (t < next) return;
+        next = t + 1;
+        cut_[k + kRowsAtOnce * (t / 64)] |= std::uint64_t{1} << (t % 64);
+        mark_tile(r, t, words, intervals.subspan(i));
+      };
+      // It cuts the tile that it begins in and the one that it ends in, unless at the tile's border.
+      if (whole != a || a == b) cut(a);
+      if (end != b * width) cut(b);
+    }
+  }
+
+  /// Marks the pieces of row r in tile t, which the first of the intervals cuts.
+  void mark_tile(std::size_t r, std::uint32_t t, std::size_t words, std::span<const Interval> intervals) {
+    const std::uint32_t width = tile_.resolution[0], begin = t * width, end = begin + width;
+    std::uint64_t* const out = &seen_[2 * words * place_[t]];
+    std::uint64_t* const in = out + words;
+    const std::span<const Run> runs{rows_.runs.data() + rows_.first[r],
+                                    rows_.runs.data() + rows_.first[r + 1]};
+    const bool once = intervals.size() == 1 || intervals[1].begin >= end;
+    if (once && intervals[0].begin <= begin)
+      mark_cut(runs, intervals[0].end - begin, words, in, out);
+    else if (once && intervals[0].end >= end)
+      mark_cut(runs, intervals[0].begin - begin, words, out, in);
+    else
+      mark_stretches(runs, intervals, begin, end, in, out);
+  }
+
+  /// Marks the pieces of rows [begin, end) in the mixed tiles that are not cut there: all are on one side.
+  void mark_whole_tiles(std::size_t begin, std::size_t end, std::size_t words) {
     for (std::size_t m = 0; m < mixed_.size(); ++m) {
-      const std::uint32_t begin = mixed_[m] * width, end = begin + width;
+      const std::uint32_t t = mixed_[m], shift = t % 64;
+      const std::uint64_t* const covered = &covered_[kRowsAtOnce * (t / 64)];
+      const std::uint64_t* const cut = &cut_[kRowsAtOnce * (t / 64)];
       std::uint64_t* const out = &seen_[2 * words * m];
-      std::uint64_t* const in = out + words;
-      while (k < intervals.size() && intervals[k].end <= begin) ++k;
-      // Few rows of a tile are cut; of the others all pieces are on one side.
-      const bool outside = k == intervals.size() || intervals[k].begin >= end;
-      if (outside || (intervals[k].begin <= begin && intervals[k].end >= end)) {
-        std::uint64_t* const side = outside ? out : in;
-        for (const PieceBits& set : all) side[set.word] |= set.bits;
+      if (words == 1) {
+        // Without a branch, several rows at a time.
+        const std::uint64_t* const sets = &rows_.only_word[begin];
+        std::uint64_t in_set = 0, out_set = 0;
+        for (std::size_t k = 0; k < end - begin; ++k) {
+          const std::uint64_t is_in = covered[k] >> shift & 1, is_cut = cut[k] >> shift & 1;
+          in_set |= sets[k] & (0 - is_in);
+          out_set |= sets[k] & ((is_in | is_cut) - 1);
+        }
+        out[0] |= out_set;
+        out[1] |= in_set;
         continue;
       }
-      const std::span<const Run> runs{rows_.runs.data() + rows_.first[r],
-                                      rows_.runs.data() + rows_.first[r + 1]};
-      const bool once = k + 1 == intervals.size() || intervals[k + 1].begin >= end;
-      if (once && intervals[k].begin <= begin)
-        mark_cut(runs, intervals[k].end - begin, words, in, out);
-      else if (once && intervals[k].end >= end)
-        mark_cut(runs, intervals[k].begin - begin, words, out, in);
-      else
-        mark_stretches(runs, intervals.subspan(k), begin, end, in, out);
+      for (std::size_t r = begin; r < end; ++r) {
+        if (cut[r - begin] >> shift & 1) continue;
+        std::uint64_t* const side = covered[r - begin] >> shift & 1 ? out + words : out;
+        for (std::uint32_t k = rows_.first_set[r]; k < rows_.first_set[r + 1]; ++k)
+          side[rows_.sets[k].word] |= rows_.sets[k].bits;
+      }
     }
   }
 
@@ -241,8 +295,13 @@ class Bundle {
   const TileRows& rows_;
   std::vector<TileState> states_;
   std::vector<std::uint64_t> inside_;
-  std::vector<std::uint32_t> mixed_;  ///< tiles
-  std::vector<std::uint64_t> seen_;   ///< of each mixed tile the pieces seen outside, then those seen inside
+  static constexpr std::size_t kRowsAtOnce = 1024;  ///< their bits fit in the fastest cache
+  std::vector<std::uint32_t> mixed_;                ///< tiles
+  std::vector<std::uint32_t> place_;                ///< of a mixed tile in mixed_
+  /// Bit t % 64 of [k + kRowsAtOnce · (t / 64)]: whether the inside covers row k of tile t wholly, or cuts
+  /// it.
+  std::vector<std::uint64_t> covered_, cut_;
+  std::vector<std::uint64_t> seen_;  ///< of each mixed tile the pieces seen outside, then those seen inside
 };
 
 Tag tag_of(Seen seen) {

@@ -7,14 +7,14 @@ namespace {
 
 class Row {
  public:
-  Row(std::span<const Scanline::Event> events, std::int32_t mask, std::vector<Interval>& out)
-      : events_(events), mask_(mask), out_(out), first_(out.size()) {}
+  Row(std::span<const Scanline::Crossing> crossings, std::int32_t mask, std::vector<Interval>& out)
+      : crossings_(crossings), mask_(mask), out_(out), first_(out.size()) {}
 
   /// Up to voxel `end`, where the whole number nearest to the caps' share is known.
   void advance(std::uint32_t end, std::int32_t whole, std::int32_t unsure) {
     while (x_ < end) {
-      pass_events();
-      const std::uint32_t next = next_ < events_.size() ? std::min(end, events_[next_].x) : end;
+      pass_crossings();
+      const std::uint32_t next = next_ < crossings_.size() ? std::min(end, crossings_[next_].x()) : end;
       emit(x_, next, closed_ - whole);
       if (solid(closed_ - whole) != solid(closed_ - whole - unsure)) unsure_ += next - x_;
       x_ = next;
@@ -26,8 +26,9 @@ class Row {
  private:
   [[nodiscard]] bool solid(std::int32_t winding) const { return (winding & mask_) != 0; }
 
-  void pass_events() {
-    for (; next_ < events_.size() && events_[next_].x <= x_; ++next_) closed_ += events_[next_].delta;
+  void pass_crossings() {
+    for (; next_ < crossings_.size() && crossings_[next_].x() <= x_; ++next_)
+      closed_ += crossings_[next_].delta();
   }
 
   void emit(std::uint32_t begin, std::uint32_t end, std::int32_t winding) {
@@ -38,7 +39,7 @@ class Row {
       out_.push_back({begin, end});
   }
 
-  std::span<const Scanline::Event> events_;
+  std::span<const Scanline::Crossing> crossings_;
   std::int32_t mask_;
   std::vector<Interval>& out_;
   std::size_t first_, next_ = 0;
@@ -49,10 +50,10 @@ class Row {
 
 }  // namespace
 
-std::uint64_t decide_open_row(const OpenSolid& open, std::span<const Scanline::Event> events, std::uint32_t y,
-                              std::uint32_t z, std::uint32_t x_end, std::int32_t mask,
+std::uint64_t decide_open_row(const OpenSolid& open, std::span<const Scanline::Crossing> crossings,
+                              std::uint32_t y, std::uint32_t z, std::uint32_t x_end, std::int32_t mask,
                               std::vector<Interval>& out) {
-  Row row(events, mask, out);
+  Row row(crossings, mask, out);
   open.for_stretches(y, z, [&](const OpenSolid::Stretch& stretch) {
     row.advance(stretch.begin, 0, 0);
     row.advance(stretch.end, stretch.whole, stretch.unsure);

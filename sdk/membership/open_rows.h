@@ -10,10 +10,10 @@
 namespace mesocell {
 
 /// Decides a row of voxels by the generalized winding number, rounded. `mask`: the bits that make it solid.
-/// `events`: of the row, sorted by x; `x_end`: its length. Intervals that are inside are added to `out`.
+/// `crossings`: of the row, sorted by x; `x_end`: its length. Intervals that are inside are added to `out`.
 /// Returns how many voxels were nearly a tie.
-std::uint64_t decide_open_row(const OpenSolid& open, std::span<const Scanline::Event> events, std::uint32_t y,
-                              std::uint32_t z, std::uint32_t x_end, std::int32_t mask,
+std::uint64_t decide_open_row(const OpenSolid& open, std::span<const Scanline::Crossing> crossings,
+                              std::uint32_t y, std::uint32_t z, std::uint32_t x_end, std::int32_t mask,
                               std::vector<Interval>& out);
 
 }  // namespace mesocell

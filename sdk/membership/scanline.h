@@ -42,16 +42,31 @@ class Scanline {
   Scanline(const TriangleMesh& mesh, const Index3& resolution, const Index3& tiles,
            const OpenSolid* open = nullptr, SolidRule solid = SolidRule::kNonzero);
 
-  /// The rows of the tiles (·, ty, tz): row y + resolution_y · z, with y, z counted from the bundle's first.
-  /// Thread safety: const; `out` and `scratch` belong to the caller and are reused between calls.
-  struct Event {
-    std::uint32_t row, x;
-    std::int16_t delta;
+  /// Where the surface crosses a row: before the centre of voxel x, in 4 bytes, for there are many.
+  class Crossing {
+   public:
+    Crossing() = default;
+    /// `x`: below 2^31; `delta`: 1 or -1, what the winding number rises by.
+    Crossing(std::uint32_t x, std::int32_t delta) : code_(x << 1 | (delta > 0)) {}
+    [[nodiscard]] std::uint32_t x() const { return code_ >> 1; }
+    [[nodiscard]] std::int32_t delta() const { return code_ & 1 ? 1 : -1; }
+    /// By x first.
+    bool operator<(const Crossing& c) const { return code_ < c.code_; }
+
+   private:
+    std::uint32_t code_;
+  };
+  struct RowCrossing {
+    std::uint32_t row;
+    Crossing crossing;
   };
   struct Scratch {
-    std::vector<Event> events, sorted;
+    std::vector<RowCrossing> found;
+    std::vector<Crossing> sorted;
     std::uint64_t unsure = 0;  ///< voxels so far whose winding number was nearly 1/2
   };
+  /// The rows of the tiles (·, ty, tz): row y + resolution_y · z, with y, z counted from the bundle's first.
+  /// Thread safety: const; `out` and `scratch` belong to the caller and are reused between calls.
   void bundle(std::uint32_t ty, std::uint32_t tz, Scratch& scratch, RowIntervals& out) const;
 
   /// The triangles, by index, whose boxes are less than a voxel from the tiles (·, ty, tz), and maybe more.
@@ -64,7 +79,7 @@ class Scanline {
   struct Rows {
     std::uint32_t y0, z0;
   };
-  void add_triangle(std::uint32_t index, const Rows& rows, std::vector<Event>& events) const;
+  void add_triangle(std::uint32_t index, const Rows& rows, std::vector<RowCrossing>& found) const;
 
   const TriangleMesh& mesh_;
   const OpenSolid* open_;
