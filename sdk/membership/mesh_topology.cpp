@@ -16,17 +16,29 @@ std::vector<Triangle> merge_corners(const TriangleMesh& mesh) {
 }
 
 EdgeTable::EdgeTable(std::span<const Triangle> triangles) {
-  uses_.reserve(triangles.size() * 3);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    if (has_repeated_vertex(triangles[t])) continue;
-    for (std::size_t e = 0; e < 3; ++e) {
-      const std::uint32_t p = triangles[t][e], q = triangles[t][(e + 1) % 3];
-      uses_.push_back({std::min(p, q), std::max(p, q), t, p < q ? 1 : -1});
+  // Counted into buckets by the lesser vertex, which are small; in the order of the triangles, which stays.
+  std::vector<std::size_t> ends;
+  const auto for_uses = [&](auto visit) {
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      if (has_repeated_vertex(triangles[t])) continue;
+      for (std::size_t e = 0; e < 3; ++e) {
+        const std::uint32_t p = triangles[t][e], q = triangles[t][(e + 1) % 3];
+        visit(EdgeUse{std::min(p, q), std::max(p, q), t, p < q ? 1 : -1});
+      }
     }
-  }
-  std::sort(uses_.begin(), uses_.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-  });
+  };
+  std::uint32_t last = 0;
+  for_uses([&](const EdgeUse& use) { last = std::max(last, use.low); });
+  ends.assign(std::size_t{last} + 2, 0);
+  for_uses([&](const EdgeUse& use) { ++ends[use.low + 1]; });
+  for (std::size_t v = 1; v < ends.size(); ++v) ends[v] += ends[v - 1];
+  uses_.resize(ends.back());
+  for_uses([&](const EdgeUse& use) { uses_[ends[use.low]++] = use; });
+  const auto bucket = [&](std::size_t v) { return uses_.begin() + std::ptrdiff_t(v == 0 ? 0 : ends[v - 1]); };
+  for (std::size_t v = 0; v + 1 < ends.size(); ++v)
+    std::sort(bucket(v), bucket(v + 1), [](const EdgeUse& a, const EdgeUse& b) {
+      return std::tie(a.high, a.triangle) < std::tie(b.high, b.triangle);
+    });
   for (std::size_t k = 0; k < uses_.size(); ++k)
     if (k == 0 || uses_[k].low != uses_[k - 1].low || uses_[k].high != uses_[k - 1].high) first_.push_back(k);
   first_.push_back(uses_.size());

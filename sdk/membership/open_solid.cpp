@@ -42,10 +42,7 @@ std::vector<CapGradient::Cap> places(const std::vector<Vec3>& vertices, const st
 
 OpenSolid::OpenSolid(const TriangleMesh& mesh, const std::vector<std::array<std::uint32_t, 2>>& chain,
                      const Index3& size, unsigned threads, const Progress* progress)
-    : closed_{mesh.vertices, mesh.triangles, {}},
-      size_(size),
-      caps_({}),
-      gradient_({}) {
+    : closed_{mesh.vertices, mesh.triangles, {}}, size_(size), caps_({}), gradient_({}) {
   const std::vector<Cap> caps = cap_boundary(mesh.vertices, chain);
   const std::vector<CapGradient::Cap> placed = places(mesh.vertices, caps);
   std::vector<std::array<Vec3, 3>> triangles;

@@ -9,6 +9,7 @@
 #include "format/cell_object.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
+#include "sdk/membership/cap_gradient.h"
 #include "sdk/membership/winding_field.h"
 
 namespace mesocell MESOCELL_INTERNAL_API {

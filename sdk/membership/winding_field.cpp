@@ -2,61 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "sdk/core/box_tree.h"
+#include "sdk/membership/box_distance.h"
 #include "sdk/membership/predicates.h"
 
 namespace mesocell {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSphere = 4 * std::numbers::pi;
 constexpr std::uint32_t kLeaf = 4;
 /// Bounds the rounding of one triangle's share, where its angle is well conditioned.
 constexpr double kRounding = 1e-14;
 /// What an angle is off by at most, where the point is on an edge or so near that rounding hides its side.
 constexpr double kHalf = 0.5;
-
-/// Squared distance of two closed boxes, 0 where they meet.
-double squared_distance(const Box3& a, const Box3& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double d = std::max({0.0, a.min[k] - b.max[k], b.min[k] - a.max[k]});
-    sum += d * d;
-  }
-  return sum;
-}
-
-/// Bounds the distance of a triangle and a box from below: by the gap between them along some directions,
-/// those that tell slivers from their boxes among them.
-double distance_bound(const std::array<Vec3, 3>& t, const Box3& box) {
-  const Vec3 centre = (box.min + box.max) / 2, half = box.extent() / 2;
-  double bound = 0;
-  const auto along = [&](Vec3 axis) {
-    const double norm = length(axis);
-    if (!(norm > 0)) return;
-    const double middle = dot(centre, axis);
-    const double reach = half.x * std::abs(axis.x) + half.y * std::abs(axis.y) + half.z * std::abs(axis.z);
-    const double a = dot(t[0], axis), b = dot(t[1], axis), c = dot(t[2], axis);
-    bound = std::max({bound, (std::min({a, b, c}) - middle - reach) / norm,
-                      (middle - reach - std::max({a, b, c})) / norm});
-  };
-  along({1, 0, 0});
-  along({0, 1, 0});
-  along({0, 0, 1});
-  along(cross(t[1] - t[0], t[2] - t[0]));
-  Vec3 edge = t[1] - t[0], from = t[0];
-  for (int e = 1; e < 3; ++e)
-    if (const Vec3 other = t[(e + 1) % 3] - t[e]; dot(other, other) > dot(edge, edge)) {
-      edge = other;
-      from = t[e];
-    }
-  if (dot(edge, edge) > 0) along(centre - from - edge * (dot(centre - from, edge) / dot(edge, edge)));
-  // What rounding may have added, in voxels of a grid whose coordinates have a few more digits.
-  return std::max(0.0, bound - 1e-6);
-}
 
 /// Side of p + (ε, ε², ε³) of the plane through a, b, c; 0 if they are collinear.
 int side(Vec3 a, Vec3 b, Vec3 c, Vec3 p) {
@@ -332,133 +292,6 @@ bool WindingField::clear_of(const Box3& box) const {
     stack[size++] = node.right;
   }
   return true;
-}
-
-CapGradient::CapGradient(const std::vector<Cap>& caps) {
-  std::vector<Node> all;
-  for (const Cap& cap : caps) {
-    std::vector<Node> areas, lengths;
-    Node whole;
-    for (const std::array<Vec3, 3>& t : cap.triangles) {
-      Node& node = areas.emplace_back();
-      for (const Vec3& v : t) node.box.add(v);
-      node.area = length(cross(t[1] - t[0], t[2] - t[0])) / 2;
-      node.item = std::uint32_t(triangles_.size());
-      triangles_.push_back(t);
-      whole.area += node.area;
-    }
-    for (const std::array<Vec3, 2>& s : cap.loop) {
-      Node& node = lengths.emplace_back();
-      for (const Vec3& v : s) {
-        node.box.add(v);
-        whole.box.add(v);
-      }
-      node.length = length(s[1] - s[0]);
-      whole.length += node.length;
-    }
-    whole.item = std::uint32_t(roots_.size());
-    all.push_back(whole);
-    const std::uint32_t by_triangles = build(areas, 0, areas.size());
-    roots_.push_back({by_triangles, build(lengths, 0, lengths.size())});
-  }
-  if (!all.empty()) root_ = build(all, 0, all.size());
-}
-
-std::uint32_t CapGradient::build(std::vector<Node>& items, std::size_t begin, std::size_t end) {
-  const std::uint32_t index = std::uint32_t(nodes_.size());
-  if (end - begin == 1) {
-    nodes_.push_back(items[begin]);
-    return index;
-  }
-  Node node;
-  for (std::size_t k = begin; k < end; ++k) {
-    node.box.add(items[k].box.min);
-    node.box.add(items[k].box.max);
-    node.area += items[k].area;
-    node.length += items[k].length;
-  }
-  // Halved across the longest side.
-  const Vec3 extent = node.box.extent();
-  const std::size_t axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  const auto at = [&](std::size_t k) { return items.begin() + std::ptrdiff_t(k); };
-  const std::size_t middle = begin + (end - begin) / 2;
-  std::nth_element(at(begin), at(middle), at(end), [&](const Node& a, const Node& b) {
-    const double ca = a.box.min[axis] + a.box.max[axis], cb = b.box.min[axis] + b.box.max[axis];
-    return ca < cb || (ca == cb && a.item < b.item);
-  });
-  nodes_.emplace_back();
-  node.left = build(items, begin, middle);
-  node.right = build(items, middle, end);
-  nodes_[index] = node;
-  return index;
-}
-
-double CapGradient::bound(const Box3& box) const {
-  double sum = 0;
-  if (nodes_.empty()) return sum;
-  std::array<std::uint32_t, 64> stack;
-  std::size_t size = 0;
-  stack[size++] = root_;
-  while (size > 0) {
-    const Node& node = nodes_[stack[--size]];
-    const double squared = squared_distance(node.box, box);
-    const Vec3 extent = node.box.extent();
-    if (squared > dot(extent, extent)) {
-      sum += std::min(2 * node.area / std::sqrt(squared), node.length) / squared / kSphere;
-      continue;
-    }
-    if (node.left == 0) {
-      const double length = by_length(roots_[node.item].loop, box);
-      sum += std::min(length, by_area(roots_[node.item].triangles, box, length));
-      continue;
-    }
-    stack[size++] = node.left;
-    stack[size++] = node.right;
-  }
-  return sum;
-}
-
-double CapGradient::by_area(std::uint32_t root, const Box3& box, double enough) const {
-  double sum = 0;
-  std::array<std::uint32_t, 64> stack;
-  std::size_t size = 0;
-  stack[size++] = root;
-  while (size > 0 && sum < enough) {
-    const Node& node = nodes_[stack[--size]];
-    const double squared = squared_distance(node.box, box);
-    const Vec3 extent = node.box.extent();
-    if (node.left == 0) {
-      const double distance = distance_bound(triangles_[node.item], box);
-      if (distance == 0) return kInfinity;
-      sum += 2 * node.area / (distance * distance * distance) / kSphere;
-    } else if (squared > dot(extent, extent)) {
-      sum += 2 * node.area / (squared * std::sqrt(squared)) / kSphere;
-    } else {
-      stack[size++] = node.left;
-      stack[size++] = node.right;
-    }
-  }
-  return sum;
-}
-
-double CapGradient::by_length(std::uint32_t root, const Box3& box) const {
-  double sum = 0;
-  std::array<std::uint32_t, 64> stack;
-  std::size_t size = 0;
-  stack[size++] = root;
-  while (size > 0) {
-    const Node& node = nodes_[stack[--size]];
-    const double squared = squared_distance(node.box, box);
-    const Vec3 extent = node.box.extent();
-    if (node.left == 0 || squared > dot(extent, extent)) {
-      if (squared == 0) return kInfinity;
-      sum += node.length / squared / kSphere;
-      continue;
-    }
-    stack[size++] = node.left;
-    stack[size++] = node.right;
-  }
-  return sum;
 }
 
 }  // namespace mesocell
