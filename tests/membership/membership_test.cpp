@@ -79,6 +79,21 @@ TEST_CASE("every tag of generated meshes equals the definition, voxel by voxel")
   SECTION("a grid that cuts the mesh off, so that many instances leave it") {
     check_mesh(make_sphere({0, 0, 0}, 2, 30), 6, 16, Box3{{-1.5, -1, -1.2}, {1, 2.5, 1.6}});
   }
+  SECTION("far from the origin") {
+    check_mesh(make_sphere({1e6, 1e6, -1e6}, 1.7, 40), 6, 16);
+    check_mesh(make_box({1e6, 1e6, 1e6}, {1e6 + 1, 1e6 + 2, 1e6 + 3}), 6, 16);
+  }
+  SECTION("very small, very large") {
+    check_mesh(make_sphere({1, 2, 3}, 1e-6, 24), 6, 16);
+    check_mesh(make_torus({0, 0, 0}, 3e12, 1e12, 30, 20), 6, 16);
+  }
+  SECTION("slender, flat, with a sharp point") {
+    TriangleMesh flat = make_sphere({0, 0, 0}, 1, 30);
+    for (Vec3& v : flat.vertices) v.z *= 1e-3;
+    check_mesh(flat, 6, 16);
+    check_mesh(make_torus({0, 0, 0}, 3, 0.02, 100, 6), 6, 16);
+    check_mesh(make_tetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 20}), 6, 16);
+  }
   SECTION("tiles that are not cubes") {
     const TileMap tile = tile_of("voronoi:cells=9,resolution=20x7x12");
     const TriangleMesh mesh = make_torus({40, 35, 36}, 24, 9, 50, 30);
@@ -87,7 +102,8 @@ TEST_CASE("every tag of generated meshes equals the definition, voxel by voxel")
 }
 
 TEST_CASE("every tag of real meshes equals the definition, voxel by voxel") {
-  for (const char* name : {"rocker-arm.obj", "fandisk.off", "knot1.off"}) {
+  for (const char* name : {"rocker-arm.obj", "fandisk.off", "knot1.off", "armadillo.obj", "spot.obj",
+                           "lucy.ply", "knot_orig_metro.ply"}) {
     const auto path = find_data(std::string("meshes/") + name);
     if (!path) {
       WARN(name << " is not here; skipped");
