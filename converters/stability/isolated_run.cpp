@@ -66,6 +66,9 @@ double cpu_seconds(pid_t child) {
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_DFL);
   Report report{};
+  // Not before the fork: libraries may start threads, and a fork beside a running thread finds locks held for
+  // ever.
+  const Status prepared = method.prepare ? method.prepare() : Status();
   rusage first{};
   getrusage(RUSAGE_SELF, &first);
   const double cpu_before = cpu_seconds(first);
@@ -73,7 +76,7 @@ double cpu_seconds(pid_t child) {
   const Clock::time_point start = Clock::now();
   std::string message;
   try {
-    if (const Status status = method.run(mesh, out, threads); !status) {
+    if (const Status status = prepared.ok() ? method.run(mesh, out, threads) : prepared; !status) {
       report.failed = 1;
       message = status.error().message;
     }
@@ -102,8 +105,6 @@ std::string how_it_ended(int status) {
 
 Result<IsolatedRun> run_isolated(const Voxelizer& method, const TriangleMesh& mesh, BitGrid& out,
                                  unsigned threads, double max_seconds, const Progress* progress) {
-  if (method.prepare)
-    if (const Status status = method.prepare(); !status) return status.error();
   out.clear();
   int ends[2];
   if (pipe(ends) != 0)

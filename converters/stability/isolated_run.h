@@ -21,8 +21,8 @@ struct IsolatedRun {
 
 /// Runs a method in a child process, which is killed after `max_seconds` of processor time, of all its
 /// threads, or twenty times that by the clock, or when `progress` is cancelled; a crash is an outcome too.
-/// `out` is cleared and holds what the method set. The method is prepared first. No other thread of the
-/// caller may be running. Errors: kCancelled, kLimit (no process could be made), those of Voxelizer::prepare.
+/// `out` is cleared and holds what the method set. The method is prepared there, untimed. No other thread
+/// of the caller may be running. Errors: kCancelled, kLimit (no process could be made).
 [[nodiscard]] Result<IsolatedRun> run_isolated(const Voxelizer& method, const TriangleMesh& mesh,
                                                BitGrid& out, unsigned threads, double max_seconds,
                                                const Progress* progress);
