@@ -123,10 +123,9 @@ Result<Voxelization> voxelize(const TriangleMesh& mesh, const TileMap& tile, con
           ErrorCode::kInvalidInput,
           "the mesh reaches more than 2^40 voxels beyond the grid; use a larger box or larger tiles"};
 
-  Result<MembershipMap> membership =
-      compute_membership(voxel_mesh, grid->tiles, tile,
-                         {.rule = options.rule, .solid = options.solid, .threads = options.threads},
-                         &out.report, progress);
+  Result<MembershipMap> membership = compute_membership(
+      voxel_mesh, grid->tiles, tile,
+      {.rule = options.rule, .solid = options.solid, .threads = options.threads}, &out.report, progress);
   if (!membership) return membership.error();
   out.membership = std::move(*membership);
   out.has_cells = count_instances(out.membership).inside > 0;
@@ -151,19 +150,21 @@ Result<Voxelization> repair_and_voxelize(const TriangleMesh& given, const TileMa
     return voxelize(repaired.mesh ? *repaired.mesh : given, tile, options, progress);
   };
   Result<Voxelization> found = attempt(options.repair.repair);
-  const auto bounds_nothing = [&] {
-    return found.ok() && repaired.report.rung == RepairRung::kWinding && !found->has_cells;
-  };
-  if (!bounds_nothing()) return found;
-  if (options.repair.repair == Repair::kAuto && options.repair.wrapper) {
+  // Nobody asked for this wrap, or for this winding number: without a cell it is no solid.
+  const RepairRung rung = repaired.report.rung;
+  const bool asked = rung == RepairRung::kWrap && options.repair.repair == Repair::kWrap;
+  if (!found.ok() || found->has_cells || asked || (rung != RepairRung::kWinding && rung != RepairRung::kWrap))
+    return found;
+  if (rung == RepairRung::kWinding && options.repair.repair == Repair::kAuto && options.repair.wrapper) {
     Result<Voxelization> wrapped = attempt(Repair::kWrap);
     if (wrapped.ok() && wrapped->has_cells)
-      repaired.warnings.push_back({"mesh-bounds-nothing", "no cell fits inside of what its winding number calls "
-                                                          "inside, so its wrap was taken"});
+      repaired.warnings.push_back({"mesh-bounds-nothing",
+                                   "no cell fits inside of what its winding number calls "
+                                   "inside, so its wrap was taken"});
     if (wrapped.ok() ? wrapped->has_cells : wrapped.error().code == ErrorCode::kCancelled) return wrapped;
   }
   return Error{ErrorCode::kInvalidInput,
-               "it is open, and no cell fits inside of what its winding number calls inside; give it a "
+               "it is open, and no cell fits inside of what can be called its inside; give it a "
                "thickness (thicken), a wrap (repair wrap) or more tiles, or close it in a mesh editor",
                "mesh-bounds-nothing"};
 }

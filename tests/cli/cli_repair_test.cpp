@@ -166,10 +166,16 @@ struct Expected {
 constexpr Expected kExpected[] = {
     {"40509.stl", "winding", "thicken"},
     {"blobby-shuffled.off", "orient", "orient"},
+    {"chair.off", "mesh-bounds-nothing", "thicken"},
+#ifdef MESOCELL_WRAP
+    {"cube_40k.obj", "wrap", "thicken"},
+#endif
     {"cube-minimal-degenerated.obj", "none", "none"},
     {"degtri_sliding.off", "mesh-flat", "thicken"},
     {"dragon_vrip_res3.ply", "none", "none"},
+    {"elephant-with-holes.off", "winding", "thicken"},
     {"featuretype.STL", "orient", "orient"},
+    {"moebius.obj", "mesh-bounds-nothing", "thicken"},
     {"nancolor.obj", "none", "none"},
     {"nearby-bad.stl", "winding", "thicken"},
     {"normal-directions-bad.stl", "orient", "orient"},
@@ -181,6 +187,10 @@ constexpr Expected kExpected[] = {
     {"teapot.obj", "winding", "thicken"},
     {"tetra_intersected_by_triangle.off", "winding", "thicken"},
     {"three_cylinders.obj", "none", "none"},
+#ifdef MESOCELL_WRAP
+    {"triple_vierbein.obj", "mesh-bounds-nothing", "thicken"},
+#endif
+    {"truck.obj", "winding", "thicken"},
 };
 
 std::string outcome(const Run& run) {
