@@ -55,12 +55,14 @@ OpenSolid::OpenSolid(const TriangleMesh& mesh, const std::vector<std::array<std:
 
   const std::uint32_t edge = std::bit_ceil(std::max({size[0], size[1], size[2], kLeastTask}));
   Found tasks;
+  tasks.progress = progress;
   find_blocks({0, 0, 0}, edge, std::max(kLeastTask, edge / 64), tasks);
   std::vector<Found> found(tasks.blocks.size());
   const bool done = parallel_for(
       found.size(), threads,
       [&](std::size_t k, unsigned) {
         const Block& task = tasks.blocks[k];
+        found[k].progress = progress;
         if (task.part.codes == kAlike)
           found[k].blocks = {task};
         else
@@ -73,6 +75,7 @@ OpenSolid::OpenSolid(const TriangleMesh& mesh, const std::vector<std::array<std:
 
 void OpenSolid::find_blocks(const std::array<std::uint32_t, 3>& low, std::uint32_t edge,
                             std::uint32_t coarsest, Found& out) const {
+  if (out.progress && out.progress->cancelled()) return;
   Box3 box;  // of the voxels' centres
   for (std::size_t a = 0; a < 3; ++a) {
     if (low[a] >= size_[a]) return;

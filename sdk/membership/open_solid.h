@@ -68,6 +68,7 @@ class OpenSolid {
   };
   /// What was found in a part of the grid.
   struct Found {
+    const Progress* progress = nullptr;  ///< looked to for cancellation
     std::vector<Block> blocks;
     std::vector<std::int16_t> codes;
     WindingField::Local local;

@@ -114,6 +114,20 @@ TEST_CASE("inside an open mesh is where its generalized winding number exceeds o
   CHECK(unsure > 100);
 }
 
+TEST_CASE("inside a bowl whose rim is no plane curve is where its winding number exceeds one half") {
+  // What covers it is then far from where its winding number is one half, so that whole blocks of voxels off
+  // the cover are on either side.
+  TriangleMesh mesh = make_sphere({20, 20, 20}, 17, 14);
+  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    const Vec3 d = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3 - Vec3{20, 20, 20};
+    return d.z > 9 * std::sin(2 * std::atan2(d.y, d.x));
+  });
+  const Compared c = compare(mesh, 10);
+  CHECK(c.wrong == 0);
+  CHECK(c.ties < 40);
+  CHECK(c.inside > 5000);
+}
+
 TEST_CASE("what closes an open mesh does not matter, and away from its holes nothing is evaluated") {
   TriangleMesh mesh = make_sphere({64, 64, 64}, 50, 40);
   const std::size_t all = mesh.triangles.size();
