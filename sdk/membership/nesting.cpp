@@ -8,35 +8,11 @@
 #include <utility>
 
 #include "sdk/core/box_tree.h"
-#include "sdk/membership/predicates.h"
+#include "sdk/membership/crossing.h"
 #include "sdk/membership/triangle_triangle.h"
 
 namespace mesocell {
 namespace {
-
-/// Side of p + (ε, ε²) of the line from a to b, seen along z; 0 only if a and b are the same there.
-int side_of_line(Vec3 a, Vec3 b, Vec3 p) {
-  if (const int s = orientation_2d(a.x, a.y, b.x, b.y, p.x, p.y)) return s;
-  if (a.y != b.y) return a.y > b.y ? 1 : -1;
-  return b.x > a.x ? 1 : b.x < a.x ? -1 : 0;
-}
-
-/// Side of p + (ε, ε², ε³) of the plane through a, b, c, which is not vertical.
-int side_of_plane(Vec3 a, Vec3 b, Vec3 c, Vec3 p) {
-  if (const int s = orientation_3d(a, b, c, p)) return s;
-  // The components of the normal, in the order of the powers of ε.
-  if (const int s = orientation_2d(a.y, a.z, b.y, b.z, c.y, c.z)) return s;
-  if (const int s = orientation_2d(a.z, a.x, b.z, b.x, c.z, c.x)) return s;
-  return orientation_2d(a.x, a.y, b.x, b.y, c.x, c.y);
-}
-
-/// What a triangle adds to the winding number about p + (ε, ε², ε³) by a ray along z.
-int crossing(Vec3 a, Vec3 b, Vec3 c, Vec3 p) {
-  const int s = orientation_2d(a.x, a.y, b.x, b.y, c.x, c.y);
-  if (s == 0 || side_of_line(a, b, p) != s || side_of_line(b, c, p) != s || side_of_line(c, a, p) != s)
-    return 0;
-  return side_of_plane(a, b, c, p) * s < 0 ? s : 0;
-}
 
 bool within(const Box3& a, const Box3& b) {
   for (std::size_t k = 0; k < 3; ++k)
@@ -141,14 +117,14 @@ class Nesting {
     std::vector<Container> found;
     Box3 ray;
     ray.add(p);
-    ray.max.z = std::numeric_limits<double>::infinity();
+    ray.min.x = -std::numeric_limits<double>::infinity();
     triangle_tree_.visit_overlapping(ray, [&](std::uint32_t place) {
       ++looks_;
       const std::uint32_t k = triangle_tree_.order()[place], t = members_[k];
       if (!may_contain(shell_of_[t], shell)) return true;
       const Triangle& v = triangles_[t];
       const std::array<Vec3, 3> corners{vertices_[v[0]], vertices_[v[1]], vertices_[v[2]]};
-      if (const int s = crossing(corners[0], corners[1], corners[2], p)) found.push_back({shell_of_[t], s});
+      if (const int s = crossing(corners, p)) found.push_back({shell_of_[t], s});
       if (holds(triangle_boxes_[k], p) && !collinear(corners[0], corners[1], corners[2]) &&
           is_on_triangle(p, corners))
         found.push_back({shell_of_[t], 0});
