@@ -3,6 +3,7 @@
 #include "sdk/membership/crossing.h"
 
 namespace mesocell {
+
 WindingNumber::WindingNumber(const TriangleMesh& mesh, unsigned threads) {
   std::vector<Box3> boxes(mesh.triangles.size());
   for (std::size_t t = 0; t < boxes.size(); ++t)
