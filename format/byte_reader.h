@@ -1,11 +1,19 @@
 #pragma once
 
 #include <bit>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 namespace mesocell {
+
+/// The `size` bytes at `offset`, which must be there (assert). Sizes in a file have 64 bits on every machine.
+template <typename Byte>
+[[nodiscard]] std::span<Byte> slice(std::span<Byte> bytes, std::uint64_t offset, std::uint64_t size) {
+  assert(offset <= bytes.size() && size <= bytes.size() - offset);
+  return bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(size));
+}
 
 /// A bounded cursor over little-endian bytes. Untrusted input: safe. A read beyond the end returns 0 (or an
 /// empty span), leaves the position where it was and sets overrun(), which never goes back.
@@ -17,21 +25,22 @@ class ByteReader {
   [[nodiscard]] std::size_t remaining() const { return bytes_.size() - position_; }
   [[nodiscard]] bool overrun() const { return overrun_; }
 
-  std::span<const std::byte> take(std::size_t count) {
+  std::span<const std::byte> take(std::uint64_t count) {
     if (count > remaining()) {
       overrun_ = true;
       return {};
     }
-    const auto taken = bytes_.subspan(position_, count);
-    position_ += count;
+    const auto taken = slice(bytes_, position_, count);
+    position_ += taken.size();
     return taken;
   }
-  void skip(std::size_t count) { (void)take(count); }
+  void skip(std::uint64_t count) { (void)take(count); }
 
   std::uint8_t u8() { return static_cast<std::uint8_t>(number(1)); }
   std::uint16_t u16() { return static_cast<std::uint16_t>(number(2)); }
   std::uint32_t u32() { return static_cast<std::uint32_t>(number(4)); }
   std::uint64_t u64() { return number(8); }
+  float f32() { return std::bit_cast<float>(u32()); }
   double f64() { return std::bit_cast<double>(number(8)); }
 
  private:

@@ -11,7 +11,7 @@
 
 #include "format/api.h"
 
-/// The maps of a cell object as they stand in memory. Their bytes are described in spec/mesocell-0.9.md.
+/// The maps of a cell object as they stand in memory. Their bytes are described in spec/mesocell-1.0.md.
 namespace mesocell MESOCELL_API {
 
 using Index3 = std::array<std::uint32_t, 3>;
@@ -111,13 +111,24 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 struct ColorMap {
   Index3 resolution{};       ///< 1…1024 each
   std::vector<Rgb8> voxels;  ///< x fastest
+  float max_error = 0.5f;    ///< see ColorList
   bool operator==(const ColorMap&) const = default;
+};
+
+/// Colors of cells or instances, in their order.
+struct ColorList {
+  std::vector<Rgb8> colors;
+  /// How far a channel is at most from what the author gave, in steps of 1/255. [spec 2.7]
+  float max_error = 0.5f;
+  bool operator==(const ColorList&) const = default;
 };
 
 /// Unit normals at the tile's boundary voxels: those that are not empty and have one of 26 neighbours, around
 /// the torus, that is empty or of another instance. Octahedral, 2 × 8 bits. [spec 4.8]
 struct NormalMap {
   std::vector<std::array<std::uint8_t, 2>> normals;  ///< one a boundary voxel, in storage order
+  /// The greatest angle to what the author gave. [spec 2.7]
+  float max_error_degrees = 0.645f;
   bool operator==(const NormalMap&) const = default;
 };
 
@@ -127,9 +138,9 @@ struct CellObject {
   GridLayout grid;
   TileMap tile;
   MembershipMap membership;
-  std::optional<ColorMap> color;      ///< absent: white
-  std::vector<Rgb8> cell_colors;      ///< one a cell, or empty: white
-  std::vector<Rgb8> instance_colors;  ///< one an INSIDE instance, by home tile, then cell; or empty: white
+  std::optional<ColorMap> color;             ///< absent: white
+  std::optional<ColorList> cell_colors;      ///< one a cell; absent: white
+  std::optional<ColorList> instance_colors;  ///< one an INSIDE instance, by home tile, then cell; absent: white
   std::optional<NormalMap> normals;
   /// Free text, UTF-8, ascending by key, keys unique.
   std::vector<std::pair<std::string, std::string>> metadata;

@@ -4,13 +4,13 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "format/cell_object.h"
-#include "format/container_scan.h"
+#include "format/block_table.h"
 #include "format/fourcc.h"
+#include "format/text_chunk.h"
 
 /// The chunks of a cell object, a function each way for each. [spec 4]
 /// Decoders take untrusted input: safe. They check every rule, report to the sink, allocate after the sizes
@@ -26,18 +26,13 @@ inline constexpr std::uint32_t kColorChunk = fourcc("COLR");
 inline constexpr std::uint32_t kCellColorChunk = fourcc("CCOL");
 inline constexpr std::uint32_t kInstanceColorChunk = fourcc("ICOL");
 inline constexpr std::uint32_t kNormalChunk = fourcc("NORM");
-inline constexpr std::uint32_t kTextChunk = fourcc("TEXT");
 
 inline constexpr std::uint64_t kMaxTiles = 0x7fffffff;
 inline constexpr std::uint64_t kMaxAxisVoxels = std::uint64_t{1} << 30;
 inline constexpr std::uint32_t kMinResolution = 4;
 inline constexpr std::uint32_t kMaxResolution = 1024;
 inline constexpr std::uint32_t kMaxCells = 65535;
-inline constexpr std::uint32_t kMaxRun = (1u << 30) - 1;
 inline constexpr std::uint32_t kMaxColorResolution = 1024;
-inline constexpr std::uint32_t kMaxKeyBytes = 256;
-
-using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 /// GRID [spec 4.1]
 [[nodiscard]] std::vector<std::byte> encode_grid(const GridLayout& grid);
@@ -52,6 +47,27 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 [[nodiscard]] std::optional<TileMap> decode_tile(const ChunkPayload& chunk, MemoryBudget& budget,
                                                  IssueSink& sink);
 
+/// The fixed fields of MEMB, as they stand there. `bytes` are its first 64 or more.
+struct MembershipHeader {
+  std::uint32_t rule = 0;
+  std::uint32_t cell_count = 0;
+  InstanceCounts counts;
+  std::uint32_t mixed_count = 0;
+};
+[[nodiscard]] MembershipHeader read_membership_header(std::span<const std::byte> bytes);
+
+/// Where the parts of MEMB are. For at most 2³¹ − 1 tiles and 65535 cells nothing overflows.
+struct MembershipLayout {
+  static constexpr std::uint64_t kPageTiles = 4096;
+  std::uint64_t states_at = 0, ranks_at = 0, tags_at = 0, bytes = 0;
+  std::uint64_t tile_tag_bytes = 0;
+  [[nodiscard]] static MembershipLayout of(std::uint64_t tile_count, std::uint32_t cell_count,
+                                           std::uint32_t mixed_count);
+  [[nodiscard]] static std::uint64_t page_count(std::uint64_t tile_count) {
+    return (tile_count + kPageTiles - 1) / kPageTiles;
+  }
+};
+
 /// MEMB [spec 4.3]. `grid` and `tile` are null where those chunks are at fault: the rules that need them are
 /// then left out, and the result is empty.
 [[nodiscard]] std::vector<std::byte> encode_membership(const MembershipMap& membership);
@@ -59,22 +75,16 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
                                                              const GridLayout* grid, const TileMap* tile,
                                                              MemoryBudget& budget, IssueSink& sink);
 
-/// TEXT [spec 4.4]
-[[nodiscard]] std::vector<std::byte> encode_text(const Metadata& metadata);
-[[nodiscard]] std::optional<Metadata> decode_text(const ChunkPayload& chunk, MemoryBudget& budget,
-                                                  IssueSink& sink);
-/// Whether the bytes are UTF-8 without surrogates and overlong forms. [RFC 3629]
-[[nodiscard]] bool is_utf8(std::string_view text);
-
 /// COLR [spec 4.5]
 [[nodiscard]] std::vector<std::byte> encode_color(const ColorMap& color);
 [[nodiscard]] std::optional<ColorMap> decode_color(const ChunkPayload& chunk, MemoryBudget& budget,
                                                    IssueSink& sink);
 
-/// CCOL and ICOL: `count` colors and nothing else. [spec 4.6, 4.7]
-[[nodiscard]] std::vector<std::byte> encode_colors(std::span<const Rgb8> colors);
-[[nodiscard]] std::optional<std::vector<Rgb8>> decode_colors(const ChunkPayload& chunk, std::uint64_t count,
-                                                             MemoryBudget& budget, IssueSink& sink);
+/// CCOL and ICOL: `count` colors. [spec 4.6, 4.7] Without a count, because the chunk that states it is at
+/// fault, the rest is checked and the result is empty.
+[[nodiscard]] std::vector<std::byte> encode_colors(const ColorList& list);
+[[nodiscard]] std::optional<ColorList> decode_colors(const ChunkPayload& chunk, std::optional<std::uint64_t> count,
+                                                     MemoryBudget& budget, IssueSink& sink);
 
 /// NORM [spec 4.8]. `tile` is null where that chunk is at fault: the number of normals is then not checked,
 /// and the result is empty.

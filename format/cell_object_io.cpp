@@ -4,6 +4,7 @@
 #include <new>
 #include <string>
 
+#include "format/block_table.h"
 #include "format/cell_object_chunks.h"
 #include "format/normal_map.h"
 #include "format/representation.h"
@@ -13,22 +14,9 @@ namespace {
 
 Error no_memory() { return Error{ErrorCode::kLimit, "there is not enough memory", "limit-exceeded"}; }
 
-Status check_metadata(const Metadata& metadata) {
-  const std::string* previous = nullptr;
-  for (const auto& [key, value] : metadata) {
-    if (key.empty() || key.size() > kMaxKeyBytes || key.find('\0') != std::string::npos)
-      return Error{ErrorCode::kUsage, "a metadata key must have 1 to 256 bytes, none of them zero",
-                   "text-key"};
-    if (!is_utf8(key) || !is_utf8(value))
-      return Error{ErrorCode::kUsage, "metadata must be valid UTF-8", "text-utf8"};
-    if (previous && !(*previous < key))
-      return Error{ErrorCode::kUsage, "metadata keys must be unique and ascending: '" + key + "'",
-                   "text-order"};
-    if (value.size() > 0xffffffffu)
-      return Error{ErrorCode::kLimit, "a metadata value is longer than 4 GiB", "limit-exceeded"};
-    previous = &key;
-  }
-  return {};
+Error no_such_asset(std::size_t asset, std::size_t count) {
+  return Error{ErrorCode::kUsage, "there is no asset " + std::to_string(asset) + ": the file has " +
+                                      std::to_string(count) + ", counted from 0"};
 }
 
 /// What follows from sizes that a caller may have asked for in good faith.
@@ -50,56 +38,84 @@ Status check_format_limits(const CellObject& object) {
   return {};
 }
 
-}  // namespace
+using Importance = ContainerWriter::Importance;
 
-Result<std::vector<std::byte>> encode_cell_object(const CellObject& object) try {
-  if (Status status = check_metadata(object.metadata); !status) return status.error();
-  if (Status status = check_format_limits(object); !status) return status.error();
+/// MEMB is what is read in parts, a tile's tags at a time; the other chunks are needed whole. Smaller blocks
+/// cost size: of a bunny of 256 tiles, 246 kB at 64 KiB are 290 kB at 16 KiB.
+constexpr std::uint32_t kMembershipBlockBytes = 1u << 16;
+
+Status add_asset(ContainerWriter& writer, const NamedCellObject& named) {
+  const CellObject& object = *named.object;
+  if (Status status = check_metadata(object.metadata); !status) return status;
+  if (Status status = check_format_limits(object); !status) return status;
   assert(object.membership.tiles == object.grid.tiles);
   assert(object.membership.cell_count == object.tile.cell_count);
   assert(object.membership.entries.size() == object.grid.tile_count());
-  assert(object.cell_colors.empty() || object.cell_colors.size() == object.tile.cell_count);
-  assert(object.instance_colors.empty() ||
-         object.instance_colors.size() == count_instances(object.membership).inside);
+  assert(!object.cell_colors || object.cell_colors->colors.size() == object.tile.cell_count);
+  assert(!object.instance_colors ||
+         object.instance_colors->colors.size() == count_instances(object.membership).inside);
   assert(!object.normals || object.normals->normals.size() == count_boundary_voxels(object.tile));
 
-  using Importance = ContainerWriter::Importance;
-  ContainerWriter writer;
+  writer.begin_asset(kCellObjectRepresentation, named.name);
   writer.add_chunk(kGridChunk, Importance::kCritical, encode_grid(object.grid));
   writer.add_chunk(kTileChunk, Importance::kCritical, encode_tile(object.tile));
-  writer.add_chunk(kMembershipChunk, Importance::kCritical, encode_membership(object.membership));
+  writer.add_chunk(kMembershipChunk, Importance::kCritical, encode_membership(object.membership),
+                   kMembershipBlockBytes);
   if (object.color) writer.add_chunk(kColorChunk, Importance::kSkippable, encode_color(*object.color));
-  if (!object.cell_colors.empty())
-    writer.add_chunk(kCellColorChunk, Importance::kSkippable, encode_colors(object.cell_colors));
-  if (!object.instance_colors.empty())
-    writer.add_chunk(kInstanceColorChunk, Importance::kSkippable, encode_colors(object.instance_colors));
+  if (object.cell_colors)
+    writer.add_chunk(kCellColorChunk, Importance::kSkippable, encode_colors(*object.cell_colors));
+  if (object.instance_colors)
+    writer.add_chunk(kInstanceColorChunk, Importance::kSkippable, encode_colors(*object.instance_colors));
   if (object.normals) writer.add_chunk(kNormalChunk, Importance::kSkippable, encode_normals(*object.normals));
   if (!object.metadata.empty())
     writer.add_chunk(kTextChunk, Importance::kSkippable, encode_text(object.metadata));
-  auto bytes = writer.finish(kCellObjectRepresentation);
+  return {};
+}
+
 #ifndef NDEBUG
-  if (bytes.ok()) {
-    const ReadLimits no_limits{~std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0}};
-    const auto copy = read_cell_object(*bytes, no_limits);
-    assert(copy.ok() && *copy == object && "the maps do not hold what format/cell_object.h says");
+/// Whether the bytes hold the objects: a writer that did not would lose what it was given.
+bool reads_back(std::span<const std::byte> file, std::span<const NamedCellObject> objects) {
+  const ReadLimits no_limits{~std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0}};
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const auto copy = read_cell_object(file, no_limits, i);
+    if (!copy || !(*copy == *objects[i].object)) return false;
   }
+  return true;
+}
 #endif
+
+}  // namespace
+
+Result<std::vector<std::byte>> encode_cell_object(const CellObject& object, const WriteOptions& options) {
+  const NamedCellObject named{&object, {}};
+  return encode_cell_objects({&named, 1}, options);
+}
+
+Result<std::vector<std::byte>> encode_cell_objects(std::span<const NamedCellObject> objects,
+                                                   const WriteOptions& options) try {
+  assert(!objects.empty());
+  ContainerWriter writer(options);
+  for (const NamedCellObject& named : objects)
+    if (Status status = add_asset(writer, named); !status) return status.error();
+  auto bytes = writer.finish();
+  assert((!bytes.ok() || reads_back(*bytes, objects)) && "the maps do not hold what format/cell_object.h says");
   return bytes;
 } catch (const std::bad_alloc&) {
   return no_memory();
 }
 
 std::optional<CellObject> check_cell_object(std::span<const std::byte> file, const ContainerScan& scan,
-                                            const ReadLimits& limits, MemoryBudget& budget, IssueSink& sink) {
+                                            std::size_t asset, const ReadLimits& limits, MemoryBudget& budget,
+                                            IssueSink& sink) {
   const std::uint64_t errors_before = sink.errors();
   // Decodes the chunk of a type if it is there and usable and hands it to `use`.
   const auto with_chunk = [&](std::uint32_t type, auto use) {
-    const auto index = scan.find(type);
+    const auto index = scan.find(asset, type);
     if (!index || !scan.usable[*index] || sink.stopped()) return;
-    const auto bytes = decode_chunk(file, scan, *index, sink);
-    if (!bytes) return;
     const ChunkInfo& chunk = scan.chunks[*index];
-    use(ChunkPayload{type, *bytes, chunk.offset, chunk.codec == kCodecRaw});
+    std::vector<std::byte> bytes(static_cast<std::size_t>(chunk.decoded_bytes));
+    if (!decode_chunk(file, chunk, bytes, sink)) return;
+    use(ChunkPayload{type, bytes, chunk.offset + block_data_at(chunk), chunk.codec == kCodecRaw});
   };
 
   CellObject object;
@@ -118,15 +134,16 @@ std::optional<CellObject> check_cell_object(std::span<const std::byte> file, con
   });
   with_chunk(kColorChunk,
              [&](const ChunkPayload& chunk) { object.color = decode_color(chunk, budget, sink); });
+  const auto count_if = [](bool known, auto count) {
+    return known ? std::optional<std::uint64_t>(count()) : std::nullopt;
+  };
   with_chunk(kCellColorChunk, [&](const ChunkPayload& chunk) {
-    if (!tile) return;
-    if (auto colors = decode_colors(chunk, tile->cell_count, budget, sink))
-      object.cell_colors = std::move(*colors);
+    const auto cells = count_if(tile.has_value(), [&] { return tile->cell_count; });
+    object.cell_colors = decode_colors(chunk, cells, budget, sink);
   });
   with_chunk(kInstanceColorChunk, [&](const ChunkPayload& chunk) {
-    if (!membership) return;
-    if (auto colors = decode_colors(chunk, count_instances(*membership).inside, budget, sink))
-      object.instance_colors = std::move(*colors);
+    const auto inside = count_if(membership.has_value(), [&] { return count_instances(*membership).inside; });
+    object.instance_colors = decode_colors(chunk, inside, budget, sink);
   });
   with_chunk(kNormalChunk, [&](const ChunkPayload& chunk) {
     object.normals = decode_normals(chunk, tile ? &*tile : nullptr, budget, sink);
@@ -141,35 +158,38 @@ std::optional<CellObject> check_cell_object(std::span<const std::byte> file, con
   return object;
 }
 
-Result<CellObject> decode_cell_object(const Container& container, const ReadLimits& limits) try {
+Result<CellObject> decode_cell_object(const Container& container, const ReadLimits& limits,
+                                      std::size_t asset) try {
   IssueSink sink = IssueSink::first_error();
   const ContainerScan& scan = container.scan();
-  if (scan.representation != kCellObjectRepresentation) {
-    sink.add(IssueId::kRepresentationUnknown, 12, 0, "it is not a cell object");
+  if (asset >= scan.assets.size()) return no_such_asset(asset, scan.assets.size());
+  if (!scan_asset(scan, asset, sink) || sink.errors() > 0) return sink.first_error_as_result();
+  const AssetInfo& info = scan.assets[asset];
+  if (info.representation != kCellObjectRepresentation) {
+    sink.add(IssueId::kRepresentationUnknown, kHeaderBytes + asset * kAssetBytes, 0, "it is not a cell object");
     return sink.first_error_as_result();
   }
   MemoryBudget budget(limits);
-  for (std::size_t i = 0; i < scan.chunks.size(); ++i) {
-    const std::uint32_t type = scan.chunks[i].type;
-    if (!budget.charge(scan.chunks[i].decoded_bytes)) {
-      sink.add(IssueId::kLimitExceeded, std::nullopt, type, "the chunks' decoded bytes");
-      return sink.first_error_as_result();
-    }
-    if (scan.rules->find(type) && !verify_chunk(container.file(), scan, i, sink))
+  if (!charge_asset(scan, asset, budget, sink)) return sink.first_error_as_result();
+  for (std::size_t i = 0; i < info.chunk_count; ++i) {
+    const std::size_t chunk = info.first_chunk + i;
+    if (info.rules->find(scan.chunks[chunk].type) && !verify_chunk(container.file(), scan, chunk, sink))
       return sink.first_error_as_result();
   }
-  auto object = check_cell_object(container.file(), scan, limits, budget, sink);
+  auto object = check_cell_object(container.file(), scan, asset, limits, budget, sink);
   if (!object) return sink.first_error_as_result();
   return std::move(*object);
 } catch (const std::bad_alloc&) {
   return no_memory();
 }
 
-Result<CellObject> read_cell_object(std::span<const std::byte> file, const ReadLimits& limits) {
+Result<CellObject> read_cell_object(std::span<const std::byte> file, const ReadLimits& limits,
+                                    std::size_t asset) {
   const auto container = Container::open(file, limits);
   if (!container) return container.error();
-  if (Status status = container->verify(); !status) return status.error();
-  return decode_cell_object(*container, limits);
+  if (asset >= container->assets().size()) return no_such_asset(asset, container->assets().size());
+  if (Status status = container->verify(asset); !status) return status.error();
+  return decode_cell_object(*container, limits, asset);
 }
 
 }  // namespace mesocell

@@ -1,8 +1,8 @@
 #include "format/codec.h"
 
 #include <zstd.h>
+#include <zstd_errors.h>
 
-#include <memory>
 #include <new>
 #include <string>
 
@@ -15,12 +15,12 @@ constexpr std::uint32_t kFrameMagic = 0xFD2FB528;
 /// By measuring Voronoi tiles of 128³ voxels with 8 and 64 cells: level 12 makes 42 and 99 kB in 0.04 s,
 /// level 17 39 and 83 kB in 0.2 s, level 19 29 and 63 kB in 1 s, and 22 hardly less. Tiles are written once
 /// and read often, so the best level that keeps writing at a few seconds is taken; all decode equally fast.
-int level_for(std::size_t bytes) {
-  if (bytes <= std::size_t{4} << 20) return 19;
-  return bytes <= std::size_t{64} << 20 ? 17 : 9;
+int level_for(std::uint64_t bytes) {
+  if (bytes <= std::uint64_t{4} << 20) return 19;
+  return bytes <= std::uint64_t{64} << 20 ? 17 : 9;
 }
 
-/// Smaller chunks stay raw: a frame's tables eat most of what it saves, and the bytes do not hang on the
+/// Smaller blocks stay raw: a frame's tables eat most of what it saves, and the bytes do not hang on the
 /// version of the zstd library.
 constexpr std::size_t kSmallestCompressed = 256;
 
@@ -67,56 +67,64 @@ std::optional<FrameHeader> parse_frame_header(std::span<const std::byte> bytes) 
   return header;
 }
 
-std::size_t padded(std::size_t bytes) { return (bytes + kChunkAlignment - 1) / kChunkAlignment; }
-
 }  // namespace
 
-std::optional<std::vector<std::byte>> compress_zstd(std::span<const std::byte> bytes) {
-  if (bytes.size() < kSmallestCompressed) return std::nullopt;
-  const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
-  if (!context) throw std::bad_alloc();
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, level_for(bytes.size()));
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_windowLog, kMaxZstdWindowLog);
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_contentSizeFlag, 1);
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 0);
-  std::vector<std::byte> stored(ZSTD_compressBound(bytes.size()));
-  const std::size_t size =
-      ZSTD_compress2(context.get(), stored.data(), stored.size(), bytes.data(), bytes.size());
-  // With room for the worst case, lack of memory is all that can go wrong.
-  if (ZSTD_isError(size) != 0) throw std::bad_alloc();
-  if (padded(size) >= padded(bytes.size())) return std::nullopt;
-  stored.resize(size);
-  stored.shrink_to_fit();
-  return stored;
+ZstdCompressor::ZstdCompressor(std::uint64_t chunk_bytes) : context_(ZSTD_createCCtx()) {
+  if (!context_) throw std::bad_alloc();
+  ZSTD_CCtx_setParameter(context_, ZSTD_c_compressionLevel, level_for(chunk_bytes));
+  ZSTD_CCtx_setParameter(context_, ZSTD_c_windowLog, kMaxZstdWindowLog);
+  ZSTD_CCtx_setParameter(context_, ZSTD_c_contentSizeFlag, 1);
+  ZSTD_CCtx_setParameter(context_, ZSTD_c_checksumFlag, 0);
 }
 
-std::optional<std::vector<std::byte>> decompress_zstd(const ChunkPayload& chunk, std::uint64_t decoded_bytes,
-                                                      IssueSink& sink) {
+ZstdCompressor::~ZstdCompressor() { ZSTD_freeCCtx(context_); }
+
+void ZstdCompressor::compress(std::span<const std::byte> bytes, std::vector<std::byte>& to) {
+  const std::size_t begin = to.size();
+  if (bytes.size() >= kSmallestCompressed) {
+    const std::size_t room = ZSTD_compressBound(bytes.size());
+    to.resize(begin + room);
+    const std::size_t size = ZSTD_compress2(context_, to.data() + begin, room, bytes.data(), bytes.size());
+    // With room for the worst case, lack of memory is all that can go wrong.
+    if (ZSTD_isError(size) != 0) throw std::bad_alloc();
+    to.resize(begin + size);
+    if (size < bytes.size()) return;
+    to.resize(begin);
+  }
+  to.insert(to.end(), bytes.begin(), bytes.end());
+}
+
+ZstdDecompressor::~ZstdDecompressor() { ZSTD_freeDCtx(context_); }
+
+bool ZstdDecompressor::decompress(const ChunkPayload& block, std::span<std::byte> to, IssueSink& sink) {
   const auto fail = [&](IssueId id, std::string detail) {
-    sink.add(id, chunk.file_offset, chunk.type, std::move(detail));
-    return std::nullopt;
+    sink.add(id, block.file_offset, block.type, std::move(detail));
+    return false;
   };
-  const auto header = parse_frame_header(chunk.bytes);
+  const auto header = parse_frame_header(block.bytes);
   if (!header) return fail(IssueId::kZstdFrame, "its frame header is not one of those");
-  if (header->content_size != decoded_bytes) {
+  if (header->content_size != to.size()) {
     return fail(IssueId::kZstdSize, std::to_string(header->content_size) + " instead of " +
-                                        std::to_string(decoded_bytes) + " bytes");
+                                        std::to_string(to.size()) + " bytes");
   }
   if (header->window_size > kMaxZstdWindow)
     return fail(IssueId::kZstdWindow, std::to_string(header->window_size) + " bytes");
-  const std::size_t frame_bytes = ZSTD_findFrameCompressedSize(chunk.bytes.data(), chunk.bytes.size());
-  if (ZSTD_isError(frame_bytes) != 0) return fail(IssueId::kZstdData, "the frame does not end in the chunk");
-  if (frame_bytes != chunk.bytes.size()) {
-    return fail(IssueId::kZstdFrame, "the frame ends " + std::to_string(chunk.bytes.size() - frame_bytes) +
-                                         " bytes before the chunk");
+  const std::size_t frame_bytes = ZSTD_findFrameCompressedSize(block.bytes.data(), block.bytes.size());
+  if (ZSTD_isError(frame_bytes) != 0) return fail(IssueId::kZstdData, "the frame does not end in the block");
+  if (frame_bytes != block.bytes.size()) {
+    return fail(IssueId::kZstdFrame, "the frame ends " + std::to_string(block.bytes.size() - frame_bytes) +
+                                         " bytes before the block");
   }
-
-  std::vector<std::byte> decoded(decoded_bytes);
+  if (!context_) context_ = ZSTD_createDCtx();
+  if (!context_) throw std::bad_alloc();
   const std::size_t size =
-      ZSTD_decompress(decoded.data(), decoded.size(), chunk.bytes.data(), chunk.bytes.size());
-  if (ZSTD_isError(size) != 0) return fail(IssueId::kZstdData, ZSTD_getErrorName(size));
-  if (size != decoded_bytes) return fail(IssueId::kZstdData, "it makes " + std::to_string(size) + " bytes");
-  return decoded;
+      ZSTD_decompressDCtx(context_, to.data(), to.size(), block.bytes.data(), block.bytes.size());
+  if (ZSTD_isError(size) != 0) {
+    if (ZSTD_getErrorCode(size) == ZSTD_error_memory_allocation) throw std::bad_alloc();
+    return fail(IssueId::kZstdData, ZSTD_getErrorName(size));
+  }
+  if (size != to.size()) return fail(IssueId::kZstdData, "it makes " + std::to_string(size) + " bytes");
+  return true;
 }
 
 }  // namespace mesocell

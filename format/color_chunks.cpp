@@ -11,28 +11,21 @@ namespace {
 
 using std::to_string;
 
-constexpr std::size_t kColorHeaderBytes = 16;
-constexpr std::size_t kColorBytes = 3;
+constexpr std::uint64_t kColorBytes = 3;
 static_assert(sizeof(Rgb8) == kColorBytes);
+/// Where the header's fields end: a color map has its resolution before the stated error.
+constexpr std::uint64_t kColorFieldBytes = 16;
+constexpr std::uint64_t kListFieldBytes = 4;
 
-/// Whether the chunk has this size; reports if not.
-bool check_size(const ChunkPayload& chunk, std::uint64_t expected, IssueSink& sink) {
-  if (chunk.bytes.size() == expected) return true;
-  const bool is_short = chunk.bytes.size() < expected;
-  add_issue(sink, is_short ? IssueId::kPayloadTruncated : IssueId::kPayloadTrailing, chunk,
-            is_short ? chunk.bytes.size() : static_cast<std::size_t>(expected),
-            to_string(chunk.bytes.size()) + " instead of " + to_string(expected) + " bytes");
-  return false;
-}
-
-/// The colors that these bytes of the chunk are. Empty if the budget does not allow it.
-std::optional<std::vector<Rgb8>> take_colors(const ChunkPayload& chunk, std::span<const std::byte> bytes,
+/// The colors after the header. Empty if the budget does not allow them.
+std::optional<std::vector<Rgb8>> take_colors(const ChunkPayload& chunk, std::uint64_t count,
                                              MemoryBudget& budget, IssueSink& sink) {
-  if (!budget.charge(bytes.size())) {
+  if (!budget.charge(count, kColorBytes)) {
     sink.add(IssueId::kLimitExceeded, std::nullopt, chunk.type, "memory for colors");
     return std::nullopt;
   }
-  std::vector<Rgb8> colors(bytes.size() / kColorBytes);
+  std::vector<Rgb8> colors(static_cast<std::size_t>(count));
+  const auto bytes = slice(chunk.bytes, kPartAlignment, count * kColorBytes);
   if (!colors.empty()) std::memcpy(colors.data(), bytes.data(), bytes.size());
   return colors;
 }
@@ -46,19 +39,17 @@ std::vector<std::byte> encode_color(const ColorMap& color) {
   assert(color.voxels.size() ==
          std::uint64_t{color.resolution[0]} * color.resolution[1] * color.resolution[2]);
   ByteWriter out;
-  out.reserve(kColorHeaderBytes + color.voxels.size() * kColorBytes);
+  out.reserve(kPartAlignment + color.voxels.size() * kColorBytes);
   for (const std::uint32_t r : color.resolution) out.u32(r);
-  out.u32(0);
+  out.f32(color.max_error);
+  out.pad_to(kPartAlignment);
   out.append(std::as_bytes(std::span(color.voxels)));
   return out.release();
 }
 
 std::optional<ColorMap> decode_color(const ChunkPayload& chunk, MemoryBudget& budget, IssueSink& sink) {
   const std::uint64_t errors_before = sink.errors();
-  if (chunk.bytes.size() < kColorHeaderBytes) {
-    add_issue(sink, IssueId::kPayloadTruncated, chunk, chunk.bytes.size(), "the header has 16 bytes");
-    return std::nullopt;
-  }
+  if (!check_payload_header(chunk, sink)) return std::nullopt;
   ByteReader in(chunk.bytes);
   ColorMap color;
   std::uint64_t voxels = 1;
@@ -72,27 +63,41 @@ std::optional<ColorMap> decode_color(const ChunkPayload& chunk, MemoryBudget& bu
     }
     voxels *= r;
   }
-  if (const std::size_t i = first_nonzero(in.take(4)); i < 4)
-    add_issue(sink, IssueId::kColorReserved, chunk, 12 + i);
-  if (!resolution_ok || !check_size(chunk, kColorHeaderBytes + voxels * kColorBytes, sink) ||
+  color.max_error = check_stated_error(chunk, kColorFieldBytes - 4, sink);
+  check_payload_zeros(chunk, kColorFieldBytes, kPartAlignment, IssueId::kPayloadReserved, sink);
+  if (!resolution_ok || !check_payload_size(chunk, kPartAlignment + voxels * kColorBytes, sink) ||
       sink.errors() != errors_before)
     return std::nullopt;
-  auto colors = take_colors(chunk, in.take(voxels * kColorBytes), budget, sink);
+  auto colors = take_colors(chunk, voxels, budget, sink);
   if (!colors) return std::nullopt;
   color.voxels = std::move(*colors);
   return color;
 }
 
-std::vector<std::byte> encode_colors(std::span<const Rgb8> colors) {
-  const auto bytes = std::as_bytes(colors);
-  return {bytes.begin(), bytes.end()};
+std::vector<std::byte> encode_colors(const ColorList& list) {
+  ByteWriter out;
+  out.reserve(kPartAlignment + list.colors.size() * kColorBytes);
+  out.f32(list.max_error);
+  out.pad_to(kPartAlignment);
+  out.append(std::as_bytes(std::span(list.colors)));
+  return out.release();
 }
 
-std::optional<std::vector<Rgb8>> decode_colors(const ChunkPayload& chunk, std::uint64_t count,
-                                               MemoryBudget& budget, IssueSink& sink) {
-  // An inside count is below 2³¹ tiles × 2¹⁶ cells, so the product does not overflow.
-  if (!check_size(chunk, count * kColorBytes, sink)) return std::nullopt;
-  return take_colors(chunk, chunk.bytes, budget, sink);
+std::optional<ColorList> decode_colors(const ChunkPayload& chunk, std::optional<std::uint64_t> count,
+                                       MemoryBudget& budget, IssueSink& sink) {
+  const std::uint64_t errors_before = sink.errors();
+  if (!check_payload_header(chunk, sink)) return std::nullopt;
+  ColorList list;
+  list.max_error = check_stated_error(chunk, 0, sink);
+  check_payload_zeros(chunk, kListFieldBytes, kPartAlignment, IssueId::kPayloadReserved, sink);
+  // A number of instances is below 2³¹ tiles × 2¹⁶ cells, so the product does not overflow.
+  if (!count || !check_payload_size(chunk, kPartAlignment + *count * kColorBytes, sink) ||
+      sink.errors() != errors_before)
+    return std::nullopt;
+  auto colors = take_colors(chunk, *count, budget, sink);
+  if (!colors) return std::nullopt;
+  list.colors = std::move(*colors);
+  return list;
 }
 
 }  // namespace mesocell

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <string>
 
+#include "format/block_table.h"
 #include "format/byte_reader.h"
-#include "format/codec.h"
 #include "format/fourcc.h"
 #include "format/hash.h"
 #include "format/representation.h"
+#include "format/utf8.h"
 
 namespace mesocell {
 namespace {
@@ -15,228 +16,300 @@ namespace {
 using std::to_string;
 
 constexpr std::size_t kHashedHeaderBytes = 56;
+constexpr std::size_t kAssetCountAt = 12;
+constexpr std::size_t kChunkCountAt = 24;
 
-/// Header, [spec 3.1]. Returns the number of chunks, 0 if the directory cannot be reached.
-std::uint32_t scan_header(std::span<const std::byte> file, ContainerScan& scan, std::uint64_t& directory_hash,
-                          IssueSink& sink) {
-  const std::size_t magic_bytes = std::min(file.size(), kMagic.size());
+struct Counts {
+  std::uint32_t assets = 0;
+  std::uint32_t chunks = 0;
+};
+
+/// Bytes that must be zero in a file of this version, and that a later one may use for what readers of this
+/// one can ignore. [spec 5]
+void check_ignorable(const ContainerScan& scan, std::span<const std::byte> bytes, std::uint64_t at,
+                     std::uint32_t chunk, IssueSink& sink) {
+  if (scan.minor > kFormatMinor) return;
+  if (const std::size_t i = first_nonzero(bytes); i < bytes.size())
+    sink.add(IssueId::kExtensionNonzero, at + i, chunk);
+}
+
+/// Header, [spec 3.1]. Empty if the tables cannot be reached.
+std::optional<Counts> scan_header(std::span<const std::byte> head, std::uint64_t file_bytes,
+                                  ContainerScan& scan, std::uint64_t& tables_hash, IssueSink& sink) {
+  const std::size_t magic_bytes = std::min(head.size(), kMagic.size());
   for (std::size_t i = 0; i < magic_bytes; ++i) {
-    if (std::to_integer<unsigned>(file[i]) == kMagic[i]) continue;
+    if (std::to_integer<unsigned>(head[i]) == kMagic[i]) continue;
     sink.add(IssueId::kHeaderMagic, i, 0);
-    return 0;
+    return std::nullopt;
   }
-  if (file.size() < kHeaderBytes) {
-    sink.add(IssueId::kHeaderTruncated, file.size(), 0, "it has " + to_string(file.size()));
-    return 0;
+  if (head.size() < kHeaderBytes) {
+    sink.add(IssueId::kHeaderTruncated, head.size(), 0, "it has " + to_string(head.size()));
+    return std::nullopt;
   }
-  ByteReader in(file.first(kHeaderBytes));
+  ByteReader in(head.first(kHeaderBytes));
   in.skip(kMagic.size());
   scan.major = in.u16();
   scan.minor = in.u16();
-  scan.representation = in.u32();
+  Counts counts;
+  counts.assets = in.u32();
   scan.file_bytes = in.u64();
-  const std::uint32_t chunk_count = in.u32();
+  counts.chunks = in.u32();
   const std::uint32_t flags = in.u32();
-  directory_hash = in.u64();
-  const auto reserved = in.take(16);
+  tables_hash = in.u64();
+  const auto reserved = in.take(8);
+  const auto ignorable = in.take(8);
   const std::uint64_t header_hash = in.u64();
-  scan.rules = find_representation(scan.representation);
 
   // The hash comes first: a damaged version is not a version.
-  if (header_hash != hash64(file.first(kHashedHeaderBytes))) sink.add(IssueId::kHeaderHash, 56, 0);
-  if (scan.major != kFormatMajor || scan.minor != kFormatMinor) {
+  if (header_hash != hash64(head.first(kHashedHeaderBytes))) sink.add(IssueId::kHeaderHash, 56, 0);
+  const std::string version = to_string(scan.major) + "." + to_string(scan.minor);
+  if (scan.major != kFormatMajor) {
     sink.add(IssueId::kVersionUnsupported, 8, 0,
-             to_string(scan.major) + "." + to_string(scan.minor) + " instead of " + to_string(kFormatMajor) +
-                 "." + to_string(kFormatMinor));
-    return 0;  // what follows may mean anything there
+             version + " instead of " + to_string(kFormatMajor) + "." + to_string(kFormatMinor));
+    return std::nullopt;  // what follows may mean anything there
   }
-  if (!scan.rules)
-    sink.add(IssueId::kRepresentationUnknown, 12, 0, "'" + fourcc_text(scan.representation) + "'");
-  if (scan.file_bytes != file.size()) {
+  if (scan.minor > kFormatMinor) sink.add(IssueId::kVersionNewer, 10, 0, version);
+  if (scan.file_bytes != file_bytes) {
     sink.add(IssueId::kFileSize, 16, 0,
-             "it has " + to_string(file.size()) + " instead of " + to_string(scan.file_bytes) + " bytes");
+             "it has " + to_string(file_bytes) + " instead of " + to_string(scan.file_bytes) + " bytes");
   }
   if (flags != 0) sink.add(IssueId::kHeaderFlags, 28, 0);
   if (const std::size_t i = first_nonzero(reserved); i < reserved.size())
     sink.add(IssueId::kHeaderReserved, 40 + i, 0);
-  if (chunk_count == 0 || chunk_count > kMaxChunks) {
-    sink.add(IssueId::kChunkCount, 24, 0, to_string(chunk_count));
-    return 0;
+  check_ignorable(scan, ignorable, 48, 0, sink);
+  const bool assets_ok = counts.assets >= 1 && counts.assets <= kMaxAssets;
+  const bool chunks_ok = counts.chunks >= 1 && counts.chunks <= kMaxChunks;
+  if (!assets_ok) sink.add(IssueId::kAssetCount, kAssetCountAt, 0, to_string(counts.assets));
+  if (!chunks_ok) sink.add(IssueId::kChunkCount, kChunkCountAt, 0, to_string(counts.chunks));
+  if (!assets_ok || !chunks_ok) return std::nullopt;
+  if (const std::uint64_t needed = head_bytes(head); needed > head.size()) {
+    sink.add(IssueId::kDirectoryTruncated, head.size(), 0,
+             "header, asset table and directory have " + to_string(needed) + " bytes");
+    return std::nullopt;
   }
-  if (chunk_count > (file.size() - kHeaderBytes) / kEntryBytes) {
-    sink.add(IssueId::kDirectoryTruncated, file.size(), 0,
-             "it needs " + to_string(chunk_count * kEntryBytes) + " bytes after the header");
-    return 0;
-  }
-  return chunk_count;
+  return counts;
 }
 
-/// One directory entry, [spec 3.2]; true if the chunk can be looked into. `expected` is where the chunk must
-/// begin, and then where the next one must.
-bool scan_entry(std::span<const std::byte> file, std::uint64_t at, std::uint64_t& expected,
-                ContainerScan& scan, IssueSink& sink) {
-  ByteReader in(file.subspan(at, kEntryBytes));
+/// One row of the asset table, [spec 3.2].
+void scan_asset_row(std::span<const std::byte> head, std::size_t index, ContainerScan& scan,
+                    std::uint64_t& next_chunk, IssueSink& sink) {
+  const std::uint64_t at = kHeaderBytes + index * kAssetBytes;
+  ByteReader in(slice(head, at, kAssetBytes));
+  AssetInfo asset;
+  asset.representation = in.u32();
+  asset.rules = find_representation(asset.representation);
+  const std::uint32_t flags = in.u32();
+  asset.chunk_count = in.u32();
+  const auto reserved = in.take(4);
+  const auto name = in.take(kMaxNameBytes);
+  const auto ignorable = in.take(8);
+
+  if ((flags & kMustKnowFlags) != 0) sink.add(IssueId::kAssetFlags, at + 4, 0, to_string(flags));
+  if (flags > kMustKnowFlags && scan.minor <= kFormatMinor)
+    sink.add(IssueId::kExtensionNonzero, at + 4, 0, "flags " + to_string(flags));
+  if (const std::size_t i = first_nonzero(reserved); i < reserved.size())
+    sink.add(IssueId::kAssetReserved, at + 12 + i, 0);
+  check_ignorable(scan, ignorable, at + 56, 0, sink);
+
+  const auto end = std::find(name.begin(), name.end(), std::byte{0});
+  asset.name.assign(reinterpret_cast<const char*>(name.data()), static_cast<std::size_t>(end - name.begin()));
+  const auto tail = name.subspan(asset.name.size());
+  if (const std::size_t i = first_nonzero(tail); i < tail.size() || !is_utf8(asset.name)) {
+    sink.add(IssueId::kAssetName, at + 16, 0);
+    asset.name.clear();
+  }
+  const bool taken = !asset.name.empty() &&
+                     std::any_of(scan.assets.begin(), scan.assets.end(),
+                                 [&](const AssetInfo& other) { return other.name == asset.name; });
+  if (taken) sink.add(IssueId::kAssetNameDuplicate, at + 16, 0);
+
+  asset.first_chunk = static_cast<std::uint32_t>(std::min<std::uint64_t>(next_chunk, kMaxChunks));
+  next_chunk += asset.chunk_count;
+  scan.assets.push_back(std::move(asset));
+}
+
+/// Whether a chunk's sizes fit its codec and its blocks. [spec 3.3, 3.5]
+bool check_sizes(const ChunkInfo& chunk, std::uint64_t at, IssueSink& sink) {
+  const auto sizes = [&] {
+    return to_string(chunk.stored_bytes) + " stored, " + to_string(chunk.decoded_bytes) + " decoded bytes";
+  };
+  bool ok = true;
+  if (chunk.block_bytes < kMinBlockBytes || chunk.block_bytes > kMaxBlockBytes ||
+      (chunk.block_bytes & (chunk.block_bytes - 1)) != 0) {
+    sink.add(IssueId::kBlockBytes, at + 12, chunk.type, to_string(chunk.block_bytes));
+    ok = false;
+  }
+  if (chunk.codec != kCodecRaw && chunk.codec != kCodecZstd) {
+    sink.add(IssueId::kChunkCodec, at + 8, chunk.type, to_string(chunk.codec));
+    ok = false;
+  }
+  if (!ok) return false;
+  const std::uint64_t data_at = block_data_at(chunk);
+  // Every block has at least one byte, so a table that is in the file bounds the number of blocks.
+  if (data_at > chunk.stored_bytes) {
+    sink.add(IssueId::kBlockTable, at + 24, chunk.type, sizes());
+    return false;
+  }
+  if (chunk.codec == kCodecRaw && chunk.stored_bytes - data_at != chunk.decoded_bytes) {
+    sink.add(IssueId::kChunkRawSize, at + 24, chunk.type, sizes());
+    return false;
+  }
+  if (chunk.block_count() > 1) return true;
+  return check_block_size(chunk, 0, chunk.stored_bytes, at + 24, sink);
+}
+
+/// One directory entry, [spec 3.3]. `expected` is where the chunk must begin, and then where the next one
+/// must.
+void scan_entry(std::span<const std::byte> head, std::uint64_t at, std::uint64_t file_bytes,
+                std::uint64_t& expected, ContainerScan& scan, IssueSink& sink) {
+  ByteReader in(slice(head, at, kEntryBytes));
   ChunkInfo chunk;
   chunk.type = in.u32();
   const std::uint32_t flags = in.u32();
   chunk.critical = (flags & kCriticalFlag) != 0;
   chunk.codec = in.u32();
-  const auto reserved = in.take(4);
+  chunk.block_bytes = in.u32();
   chunk.offset = in.u64();
   chunk.stored_bytes = in.u64();
   chunk.decoded_bytes = in.u64();
-  const std::uint64_t hash = in.u64();
-  const auto tail = in.take(16);
+  chunk.hash = in.u64();
+  const auto reserved = in.take(8);
+  const auto ignorable = in.take(8);
 
-  bool usable = true;
-  if (flags > kCriticalFlag) sink.add(IssueId::kChunkFlags, at + 4, chunk.type);
-  if (chunk.codec != kCodecRaw && chunk.codec != kCodecZstd) {
-    sink.add(IssueId::kChunkCodec, at + 8, chunk.type, to_string(chunk.codec));
-    usable = false;
-  }
+  if ((flags & kMustKnowFlags & ~kCriticalFlag) != 0)
+    sink.add(IssueId::kChunkFlags, at + 4, chunk.type, to_string(flags));
+  if (flags > kMustKnowFlags && scan.minor <= kFormatMinor)
+    sink.add(IssueId::kExtensionNonzero, at + 4, chunk.type, "flags " + to_string(flags));
   if (const std::size_t i = first_nonzero(reserved); i < reserved.size())
-    sink.add(IssueId::kChunkReserved, at + 12 + i, chunk.type);
-  if (const std::size_t i = first_nonzero(tail); i < tail.size())
     sink.add(IssueId::kChunkReserved, at + 48 + i, chunk.type);
+  check_ignorable(scan, ignorable, at + 56, chunk.type, sink);
   if (chunk.offset != expected) {
     sink.add(IssueId::kChunkOffset, at + 16, chunk.type,
              to_string(chunk.offset) + " instead of " + to_string(expected));
   }
-  if (chunk.codec == kCodecRaw && chunk.stored_bytes != chunk.decoded_bytes) {
-    sink.add(IssueId::kChunkRawSize, at + 24, chunk.type,
-             to_string(chunk.stored_bytes) + " and " + to_string(chunk.decoded_bytes));
-    usable = false;
-  }
-  if (chunk.codec == kCodecZstd && chunk.decoded_bytes / kMaxZstdRatio > chunk.stored_bytes) {
-    sink.add(IssueId::kChunkRatio, at + 32, chunk.type,
-             to_string(chunk.decoded_bytes) + " from " + to_string(chunk.stored_bytes));
-    usable = false;
-  }
-  if (chunk.offset > file.size() || chunk.stored_bytes > file.size() - chunk.offset) {
-    sink.add(IssueId::kChunkBounds, at + 16, chunk.type,
+  bool usable = check_sizes(chunk, at, sink);
+  if (chunk.offset > file_bytes || chunk.stored_bytes > file_bytes - chunk.offset) {
+    sink.add(IssueId::kChunkBounds, at + 24, chunk.type,
              to_string(chunk.stored_bytes) + " bytes at " + to_string(chunk.offset) + " of " +
-                 to_string(file.size()));
+                 to_string(file_bytes));
     usable = false;
-    expected = file.size();
+    expected = file_bytes;
   } else {
     const std::uint64_t end = chunk.offset + chunk.stored_bytes;
-    expected = end + (kChunkAlignment - end % kChunkAlignment) % kChunkAlignment;
+    const std::uint64_t padding = (kChunkAlignment - end % kChunkAlignment) % kChunkAlignment;
+    if (padding > file_bytes - end) {
+      sink.add(IssueId::kChunkBounds, end, chunk.type, "the file ends in the padding after it");
+      usable = false;
+    }
+    expected = end + std::min(padding, file_bytes - end);
   }
   scan.chunks.push_back(chunk);
-  scan.hashes.push_back(hash);
-  return usable;
+  scan.usable.push_back(usable);
 }
 
-/// Which chunk types are there, [spec 3.2, 4]: by the representation's rules alone.
-void scan_types(ContainerScan& scan, IssueSink& sink) {
-  for (std::size_t i = 0; i < scan.chunks.size() && !sink.stopped(); ++i) {
-    const std::uint64_t at = kHeaderBytes + i * kEntryBytes;
+}  // namespace
+
+std::optional<std::size_t> ContainerScan::find(std::size_t asset, std::uint32_t type) const {
+  const AssetInfo& info = assets[asset];
+  for (std::size_t i = info.first_chunk; i < std::size_t{info.first_chunk} + info.chunk_count; ++i)
+    if (chunks[i].type == type) return i;
+  return std::nullopt;
+}
+
+std::uint64_t head_bytes(std::span<const std::byte> header) {
+  ByteReader in(header);
+  in.skip(kAssetCountAt);
+  const std::uint64_t assets = std::min(in.u32(), kMaxAssets);
+  in.skip(kChunkCountAt - kAssetCountAt - 4);
+  const std::uint64_t chunks = std::min(in.u32(), kMaxChunks);
+  return kHeaderBytes + assets * kAssetBytes + chunks * kEntryBytes;
+}
+
+std::optional<ContainerScan> scan_container(std::span<const std::byte> head, std::uint64_t file_bytes,
+                                            const ReadLimits& limits, IssueSink& sink) {
+  if (file_bytes > limits.max_file_bytes) {
+    sink.add(
+        IssueId::kLimitExceeded, std::nullopt, 0,
+        "the file has " + to_string(file_bytes) + " bytes, the limit is " + to_string(limits.max_file_bytes));
+    return std::nullopt;
+  }
+  ContainerScan scan;
+  std::uint64_t tables_hash = 0;
+  const auto counts = scan_header(head, file_bytes, scan, tables_hash, sink);
+  if (!counts || sink.stopped()) return std::nullopt;
+  const std::uint64_t directory_at = kHeaderBytes + counts->assets * std::uint64_t{kAssetBytes};
+  const std::uint64_t tables_end = directory_at + counts->chunks * std::uint64_t{kEntryBytes};
+  if (tables_hash != hash64(slice(head, kHeaderBytes, tables_end - kHeaderBytes)))
+    sink.add(IssueId::kDirectoryHash, 32, 0);
+
+  std::uint64_t next_chunk = 0;
+  bool assets_ok = true;
+  for (std::uint32_t i = 0; i < counts->assets && !sink.stopped(); ++i) {
+    scan_asset_row(head, i, scan, next_chunk, sink);
+    if (scan.assets.back().chunk_count == 0) {
+      sink.add(IssueId::kAssetChunkCount, kHeaderBytes + i * kAssetBytes + 8, 0, "it has none");
+      assets_ok = false;
+    }
+  }
+  if (sink.stopped()) return std::nullopt;
+  if (next_chunk != counts->chunks) {
+    sink.add(IssueId::kAssetChunkCount, kHeaderBytes + 8, 0,
+             to_string(next_chunk) + " in sum instead of " + to_string(counts->chunks));
+    assets_ok = false;
+  }
+  std::uint64_t expected = tables_end;
+  for (std::uint32_t i = 0; i < counts->chunks && !sink.stopped(); ++i)
+    scan_entry(head, directory_at + i * std::uint64_t{kEntryBytes}, file_bytes, expected, scan, sink);
+  if (sink.stopped()) return std::nullopt;
+  if (expected < file_bytes)
+    sink.add(IssueId::kFileTrailing, expected, 0, to_string(file_bytes - expected) + " bytes");
+  if (sink.stopped() || !assets_ok) return std::nullopt;
+  return scan;
+}
+
+bool scan_asset(const ContainerScan& scan, std::size_t asset, IssueSink& sink) {
+  const AssetInfo& info = scan.assets[asset];
+  if (!info.rules) {
+    sink.add(IssueId::kRepresentationUnknown, kHeaderBytes + asset * kAssetBytes, 0,
+             "'" + fourcc_text(info.representation) + "'");
+  }
+  const std::size_t end = std::size_t{info.first_chunk} + info.chunk_count;
+  for (std::size_t i = info.first_chunk; i < end && !sink.stopped(); ++i) {
+    const std::uint64_t at = scan.entry_at(i);
     const ChunkInfo& chunk = scan.chunks[i];
-    if (*scan.find(chunk.type) != i) {
+    if (*scan.find(asset, chunk.type) != i) {
       sink.add(IssueId::kChunkDuplicate, at, chunk.type);
       continue;
     }
-    if (!scan.rules) continue;
-    const ChunkRule* rule = scan.rules->find(chunk.type);
+    if (!info.rules) continue;
+    const ChunkRule* rule = info.rules->find(chunk.type);
     if (!rule) {
       sink.add(chunk.critical ? IssueId::kChunkUnknownCritical : IssueId::kChunkUnknownSkippable, at,
                chunk.type, "'" + fourcc_text(chunk.type) + "'");
     } else if (rule->critical != chunk.critical) {
       sink.add(IssueId::kChunkCriticality, at + 4, chunk.type);
+    } else if (rule->raw && chunk.codec != kCodecRaw) {
+      sink.add(IssueId::kChunkCodec, at + 8, chunk.type, "this one must be raw");
     }
   }
-  if (!scan.rules) return;
-  for (const ChunkRule& rule : scan.rules->chunks) {
-    if (rule.required && !scan.find(rule.type))
+  if (!info.rules) return false;
+  for (const ChunkRule& rule : info.rules->chunks) {
+    if (rule.required && !sink.stopped() && !scan.find(asset, rule.type))
       sink.add(IssueId::kChunkMissing, std::nullopt, rule.type, "'" + fourcc_text(rule.type) + "'");
   }
+  return true;
 }
 
-/// Padding after every chunk and the end of the file, [spec 3.3].
-void scan_padding(std::span<const std::byte> file, const ContainerScan& scan, std::uint64_t end,
-                  IssueSink& sink) {
-  for (std::size_t i = 0; i < scan.chunks.size() && !sink.stopped(); ++i) {
-    const ChunkInfo& chunk = scan.chunks[i];
-    if (chunk.offset > file.size() || chunk.stored_bytes > file.size() - chunk.offset) continue;
-    const std::uint64_t begin = chunk.offset + chunk.stored_bytes;
-    const std::uint64_t wanted = (kChunkAlignment - begin % kChunkAlignment) % kChunkAlignment;
-    if (wanted > file.size() - begin) {
-      sink.add(IssueId::kChunkBounds, begin, chunk.type, "the file ends in the padding after it");
-      continue;
-    }
-    const auto padding = file.subspan(begin, wanted);
-    if (const std::size_t at = first_nonzero(padding); at < padding.size())
-      sink.add(IssueId::kPaddingNonzero, begin + at, chunk.type);
-  }
-  if (end < file.size()) sink.add(IssueId::kFileTrailing, end, 0, to_string(file.size() - end) + " bytes");
-}
-
-}  // namespace
-
-std::optional<std::size_t> ContainerScan::find(std::uint32_t type) const {
-  const auto at =
-      std::find_if(chunks.begin(), chunks.end(), [&](const ChunkInfo& c) { return c.type == type; });
-  if (at == chunks.end()) return std::nullopt;
-  return static_cast<std::size_t>(at - chunks.begin());
-}
-
-std::optional<ContainerScan> scan_container(std::span<const std::byte> file, const ReadLimits& limits,
-                                            MemoryBudget& budget, IssueSink& sink) {
-  if (file.size() > limits.max_file_bytes) {
-    sink.add(IssueId::kLimitExceeded, std::nullopt, 0,
-             "the file has " + to_string(file.size()) + " bytes, the limit is " +
-                 to_string(limits.max_file_bytes));
-    return std::nullopt;
-  }
-  ContainerScan scan;
-  std::uint64_t directory_hash = 0;
-  const std::uint32_t chunk_count = scan_header(file, scan, directory_hash, sink);
-  if (chunk_count == 0 || sink.stopped()) return std::nullopt;
-  const auto directory = file.subspan(kHeaderBytes, chunk_count * kEntryBytes);
-  if (directory_hash != hash64(directory)) sink.add(IssueId::kDirectoryHash, 32, 0);
-
-  std::uint64_t expected = kHeaderBytes + directory.size();
-  for (std::uint32_t i = 0; i < chunk_count && !sink.stopped(); ++i)
-    scan.usable.push_back(scan_entry(file, kHeaderBytes + i * kEntryBytes, expected, scan, sink));
-  if (sink.stopped()) return std::nullopt;
-  scan_types(scan, sink);
-  scan_padding(file, scan, expected, sink);
-
-  for (const ChunkInfo& chunk : scan.chunks) {
-    if (scan.over_limit || budget.charge(chunk.decoded_bytes)) continue;
-    scan.over_limit = true;
+bool charge_asset(const ContainerScan& scan, std::size_t asset, MemoryBudget& budget, IssueSink& sink) {
+  const AssetInfo& info = scan.assets[asset];
+  for (std::size_t i = 0; i < info.chunk_count; ++i) {
+    const ChunkInfo& chunk = scan.chunks[info.first_chunk + i];
+    if (budget.charge(chunk.decoded_bytes)) continue;
     sink.add(IssueId::kLimitExceeded, std::nullopt, chunk.type,
-             "the chunks decode to more than " + to_string(limits.max_decoded_bytes) + " bytes");
+             "the chunks of the asset decode to more bytes than the limit");
+    return false;
   }
-  if (sink.stopped()) return std::nullopt;
-  return scan;
-}
-
-bool verify_chunk(std::span<const std::byte> file, const ContainerScan& scan, std::size_t index,
-                  IssueSink& sink) {
-  const ChunkInfo& chunk = scan.chunks[index];
-  if (hash64(file.subspan(chunk.offset, chunk.stored_bytes)) == scan.hashes[index]) return true;
-  sink.add(IssueId::kChunkHash, chunk.offset, chunk.type, "'" + fourcc_text(chunk.type) + "'");
-  return false;
-}
-
-std::optional<std::vector<std::byte>> decode_chunk(std::span<const std::byte> file, const ContainerScan& scan,
-                                                   std::size_t index, IssueSink& sink) {
-  const ChunkInfo& chunk = scan.chunks[index];
-  const auto stored = file.subspan(chunk.offset, chunk.stored_bytes);
-  if (chunk.codec == kCodecRaw) return std::vector<std::byte>(stored.begin(), stored.end());
-  return decompress_zstd({chunk.type, stored, chunk.offset, true}, chunk.decoded_bytes, sink);
-}
-
-void add_issue(IssueSink& sink, IssueId id, const ChunkPayload& chunk, std::size_t at, std::string detail) {
-  if (chunk.raw) {
-    sink.add(id, chunk.file_offset + at, chunk.type, std::move(detail));
-    return;
-  }
-  // The byte has no place of its own in a compressed chunk.
-  if (!detail.empty()) detail += ", ";
-  detail += "at byte " + to_string(at) + " of the decoded chunk";
-  sink.add(id, chunk.file_offset, chunk.type, std::move(detail));
+  return true;
 }
 
 }  // namespace mesocell

@@ -1,70 +1,140 @@
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <new>
+#include <optional>
 #include <utility>
 
+#include "format/block_table.h"
+#include "format/byte_reader.h"
 #include "format/byte_writer.h"
 #include "format/codec.h"
 #include "format/container.h"
 #include "format/hash.h"
+#include "format/utf8.h"
 
 namespace mesocell {
+namespace {
 
-void ContainerWriter::add_chunk(std::uint32_t type, Importance importance,
-                                std::span<const std::byte> bytes) try {
-  assert(std::none_of(chunks_.begin(), chunks_.end(), [&](const Chunk& c) { return c.type == type; }));
-  Chunk chunk;
-  chunk.type = type;
-  chunk.importance = importance;
-  chunk.decoded_bytes = bytes.size();
-  if (auto compressed = compress_zstd(bytes)) {
-    chunk.codec = kCodecZstd;
-    chunk.stored = std::move(*compressed);
-  } else {
-    chunk.codec = kCodecRaw;
-    chunk.stored.assign(bytes.begin(), bytes.end());
+using std::to_string;
+
+std::uint64_t padded(std::uint64_t bytes) {
+  return (bytes + kChunkAlignment - 1) / kChunkAlignment * kChunkAlignment;
+}
+
+/// Cuts a chunk into blocks, each compressed if that is asked for and makes it smaller, and puts their table
+/// before them. [spec 3.5] `info` has the decoded size and the block size, and gets the rest.
+std::vector<std::byte> store(std::span<const std::byte> bytes, bool compress, ChunkInfo& info) {
+  std::optional<ZstdCompressor> compressor;
+  if (compress) compressor.emplace(bytes.size());
+  std::vector<std::byte> blocks;
+  ByteWriter out;
+  const std::uint64_t count = info.block_count();
+  for (std::uint64_t b = 0; b < count; ++b) {
+    const auto block = slice(bytes, b * info.block_bytes, block_decoded_bytes(info, b));
+    const std::size_t begin = blocks.size();
+    if (compressor) {
+      compressor->compress(block, blocks);
+    } else {
+      blocks.insert(blocks.end(), block.begin(), block.end());
+    }
+    if (count == 1) break;
+    out.u64(blocks.size());
+    out.u64(hash64(std::span(blocks).subspan(begin)));
   }
-  chunks_.push_back(std::move(chunk));
+  info.codec = compress ? kCodecZstd : kCodecRaw;
+  info.hash = hash64(count > 1 ? out.bytes() : blocks);
+  out.pad_to(kChunkAlignment);
+  out.append(blocks);
+  info.stored_bytes = out.size();
+  return out.release();
+}
+
+}  // namespace
+
+void ContainerWriter::begin_asset(std::uint32_t representation, std::string_view name) try {
+  assets_.push_back({representation, std::string(name), 0});
 } catch (const std::bad_alloc&) {
   out_of_memory_ = true;
 }
 
-Result<std::vector<std::byte>> ContainerWriter::finish(std::uint32_t representation) try {
-  assert(!chunks_.empty() || out_of_memory_);
-  if (out_of_memory_) return Error{ErrorCode::kLimit, "there is not enough memory to compress the file"};
-  if (chunks_.size() > kMaxChunks) return Error{ErrorCode::kLimit, "a file has at most 1024 chunks"};
+void ContainerWriter::add_chunk(std::uint32_t type, Importance importance, std::span<const std::byte> bytes,
+                                std::uint32_t block_bytes) try {
+  assert(std::has_single_bit(block_bytes) && block_bytes >= kMinBlockBytes && block_bytes <= kMaxBlockBytes);
+  if (out_of_memory_) return;
+  assert(!assets_.empty());
+  assert(std::none_of(chunks_.end() - std::ptrdiff_t(assets_.back().chunk_count), chunks_.end(),
+                      [&](const Chunk& c) { return c.info.type == type; }));
+  Chunk chunk;
+  chunk.info.type = type;
+  chunk.info.critical = importance == Importance::kCritical;
+  chunk.info.block_bytes = block_bytes;
+  chunk.info.decoded_bytes = bytes.size();
+  if (options_.compress) {
+    chunk.stored = store(bytes, true, chunk.info);
+    const std::uint64_t raw_bytes = block_data_at(chunk.info) + bytes.size();
+    if (padded(chunk.stored.size()) >= padded(raw_bytes)) chunk.stored.clear();
+  }
+  if (chunk.stored.empty()) chunk.stored = store(bytes, false, chunk.info);
+  chunks_.push_back(std::move(chunk));
+  ++assets_.back().chunk_count;
+} catch (const std::bad_alloc&) {
+  out_of_memory_ = true;
+}
 
-  const auto padded = [](std::uint64_t bytes) {
-    return (bytes + kChunkAlignment - 1) / kChunkAlignment * kChunkAlignment;
-  };
-  ByteWriter directory;
-  std::uint64_t offset = kHeaderBytes + chunks_.size() * kEntryBytes;
+Result<std::vector<std::byte>> ContainerWriter::finish() try {
+  if (out_of_memory_) return Error{ErrorCode::kLimit, "there is not enough memory to compress the file"};
+  assert(!assets_.empty());
+  if (!(options_.version == FormatVersion{}))
+    return Error{ErrorCode::kUsage, "there is no version " + to_string(options_.version.major) + "." +
+                                        to_string(options_.version.minor) + " of the format; 1.0 can be written"};
+  if (assets_.size() > kMaxAssets) return Error{ErrorCode::kLimit, "a file has at most 1024 assets"};
+  if (chunks_.size() > kMaxChunks) return Error{ErrorCode::kLimit, "a file has at most 4096 chunks"};
+
+  ByteWriter tables;
+  for (std::size_t i = 0; i < assets_.size(); ++i) {
+    const Asset& asset = assets_[i];
+    assert(asset.chunk_count > 0);
+    if (asset.name.size() > kMaxNameBytes || asset.name.find('\0') != std::string::npos || !is_utf8(asset.name))
+      return Error{ErrorCode::kUsage, "the name of an asset must be UTF-8 of at most 40 bytes, none of them zero",
+                   "asset-name"};
+    if (!asset.name.empty() && std::any_of(assets_.begin(), assets_.begin() + std::ptrdiff_t(i),
+                                           [&](const Asset& other) { return other.name == asset.name; }))
+      return Error{ErrorCode::kUsage, "two assets have the name '" + asset.name + "'", "asset-name-duplicate"};
+    tables.u32(asset.representation);
+    tables.u32(0);
+    tables.u32(asset.chunk_count);
+    tables.u32(0);
+    tables.append(asset.name);
+    tables.zeros(kMaxNameBytes - asset.name.size() + 8);
+  }
+  std::uint64_t offset = kHeaderBytes + assets_.size() * kAssetBytes + chunks_.size() * kEntryBytes;
   for (const Chunk& chunk : chunks_) {
-    directory.u32(chunk.type);
-    directory.u32(chunk.importance == Importance::kCritical ? kCriticalFlag : 0);
-    directory.u32(chunk.codec);
-    directory.u32(0);
-    directory.u64(offset);
-    directory.u64(chunk.stored.size());
-    directory.u64(chunk.decoded_bytes);
-    directory.u64(hash64(chunk.stored));
-    directory.zeros(16);
+    tables.u32(chunk.info.type);
+    tables.u32(chunk.info.critical ? kCriticalFlag : 0);
+    tables.u32(chunk.info.codec);
+    tables.u32(chunk.info.block_bytes);
+    tables.u64(offset);
+    tables.u64(chunk.info.stored_bytes);
+    tables.u64(chunk.info.decoded_bytes);
+    tables.u64(chunk.info.hash);
+    tables.zeros(16);
     offset += padded(chunk.stored.size());
   }
 
   ByteWriter out;
-  out.reserve(offset);
+  out.reserve(static_cast<std::size_t>(offset));
   out.append(std::as_bytes(std::span(kMagic)));
-  out.u16(kFormatMajor);
-  out.u16(kFormatMinor);
-  out.u32(representation);
+  out.u16(options_.version.major);
+  out.u16(options_.version.minor);
+  out.u32(static_cast<std::uint32_t>(assets_.size()));
   out.u64(offset);
   out.u32(static_cast<std::uint32_t>(chunks_.size()));
   out.u32(0);
-  out.u64(hash64(directory.bytes()));
+  out.u64(hash64(tables.bytes()));
   out.zeros(16);
   out.u64(hash64(out.bytes()));
-  out.append(directory.bytes());
+  out.append(tables.bytes());
   for (const Chunk& chunk : chunks_) {
     out.append(chunk.stored);
     out.pad_to(kChunkAlignment);

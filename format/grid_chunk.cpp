@@ -27,19 +27,12 @@ std::vector<std::byte> encode_grid(const GridLayout& grid) {
 
 std::optional<GridLayout> decode_grid(const ChunkPayload& chunk, const ReadLimits& limits, IssueSink& sink) {
   const std::uint64_t errors_before = sink.errors();
-  if (chunk.bytes.size() != kGridBytes) {
-    const bool is_short = chunk.bytes.size() < kGridBytes;
-    add_issue(sink, is_short ? IssueId::kPayloadTruncated : IssueId::kPayloadTrailing, chunk,
-              is_short ? chunk.bytes.size() : kGridBytes,
-              std::to_string(chunk.bytes.size()) + " instead of 64 bytes");
-    if (is_short) return std::nullopt;
-  }
+  if (!check_payload_size(chunk, kGridBytes, sink) && chunk.bytes.size() < kGridBytes) return std::nullopt;
   ByteReader in(chunk.bytes.first(kGridBytes));
   GridLayout grid;
   for (double& v : grid.box_min) v = in.f64();
   grid.voxel_edge = in.f64();
   for (std::uint32_t& n : grid.tiles) n = in.u32();
-  const auto reserved = in.take(kGridBytes - kReservedAt);
 
   for (std::size_t a = 0; a < 3; ++a) {
     if (!std::isfinite(grid.box_min[a]))
@@ -57,8 +50,7 @@ std::optional<GridLayout> decode_grid(const ChunkPayload& chunk, const ReadLimit
                   std::to_string(grid.tiles[2]));
     break;
   }
-  if (const std::size_t i = first_nonzero(reserved); i < reserved.size())
-    add_issue(sink, IssueId::kGridReserved, chunk, kReservedAt + i);
+  check_payload_zeros(chunk, kReservedAt, kGridBytes, IssueId::kPayloadReserved, sink);
   if (sink.errors() != errors_before) return std::nullopt;
   if (tiles > limits.max_tiles) {
     sink.add(IssueId::kLimitExceeded, std::nullopt, chunk.type,

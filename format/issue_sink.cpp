@@ -10,6 +10,7 @@ void IssueSink::add(IssueId id, std::optional<std::uint64_t> offset, std::uint32
   const IssueInfo& info = issue_info(id);
   const bool is_error = info.severity == Severity::kError;
   if (is_error) ++errors_;
+  if (info.severity == Severity::kWarning) ++warnings_;
   const bool is_first = is_error && !first_id_;
   if (max_issues_ == 0 && !is_first) return;
 

@@ -38,6 +38,8 @@ class IssueSink {
   [[nodiscard]] bool stopped() const { return stopped_; }
   /// Number of errors so far, also of those not kept. A check compares it before and after.
   [[nodiscard]] std::uint64_t errors() const { return errors_; }
+  /// Number of warnings so far, also of those not kept.
+  [[nodiscard]] std::uint64_t warnings() const { return warnings_; }
   /// Issues were left out.
   [[nodiscard]] bool capped() const { return capped_; }
   [[nodiscard]] const std::vector<Issue>& issues() const { return issues_; }
@@ -54,6 +56,7 @@ class IssueSink {
   std::vector<Issue> issues_;
   std::array<std::uint32_t, static_cast<std::size_t>(IssueId::kCount)> of_a_kind_{};
   std::uint64_t errors_ = 0;
+  std::uint64_t warnings_ = 0;
   std::optional<IssueId> first_id_;
   Issue first_;
   bool stopped_ = false;

@@ -10,7 +10,7 @@ namespace mesocell {
 namespace {
 
 constexpr std::array kCellObjectRules = {
-    ChunkRule{kGridChunk, true, true},        ChunkRule{kTileChunk, true, true},
+    ChunkRule{kGridChunk, true, true, true},  ChunkRule{kTileChunk, true, true},
     ChunkRule{kMembershipChunk, true, true},  ChunkRule{kColorChunk, false, false},
     ChunkRule{kCellColorChunk, false, false}, ChunkRule{kInstanceColorChunk, false, false},
     ChunkRule{kNormalChunk, false, false},    ChunkRule{kTextChunk, false, false},
@@ -18,9 +18,10 @@ constexpr std::array kCellObjectRules = {
 
 constexpr std::array kRepresentations = {
     Representation{kCellObjectRepresentation, "cell-object", kCellObjectRules,
-                   [](std::span<const std::byte> file, const ContainerScan& scan, const ReadLimits& limits,
-                      MemoryBudget& budget,
-                      IssueSink& sink) { (void)check_cell_object(file, scan, limits, budget, sink); }},
+                   [](std::span<const std::byte> file, const ContainerScan& scan, std::size_t asset,
+                      const ReadLimits& limits, MemoryBudget& budget, IssueSink& sink) {
+                     (void)check_cell_object(file, scan, asset, limits, budget, sink);
+                   }},
 };
 
 }  // namespace

@@ -15,16 +15,18 @@ struct ChunkRule {
   std::uint32_t type = 0;
   bool critical = false;  ///< a chunk of this type must carry the critical flag, or must not
   bool required = false;
+  bool raw = false;  ///< must be stored raw, so that it can be read before anything is decoded
 };
 
 /// What container and validator know of a representation. Another representation is one more row.
 struct Representation {
-  std::uint32_t code = 0;  ///< the header's field
+  std::uint32_t code = 0;  ///< the asset table's field
   std::string_view name;   ///< as people and scripts see it, e.g. "cell-object"
   std::span<const ChunkRule> chunks;
-  /// Checks the content of all chunks that are usable and reports to the sink. Untrusted input: safe.
-  void (*check)(std::span<const std::byte> file, const ContainerScan& scan, const ReadLimits& limits,
-                MemoryBudget& budget, IssueSink& sink) = nullptr;
+  /// Checks the content of all chunks of an asset that are usable and reports to the sink. Untrusted input:
+  /// safe.
+  void (*check)(std::span<const std::byte> file, const ContainerScan& scan, std::size_t asset,
+                const ReadLimits& limits, MemoryBudget& budget, IssueSink& sink) = nullptr;
 
   /// The rule for a chunk type, null if the representation does not know it.
   [[nodiscard]] const ChunkRule* find(std::uint32_t type) const;

@@ -1,8 +1,12 @@
+#include "format/text_chunk.h"
+
+#include <algorithm>
 #include <string>
+#include <string_view>
 
 #include "format/byte_reader.h"
 #include "format/byte_writer.h"
-#include "format/cell_object_chunks.h"
+#include "format/utf8.h"
 
 namespace mesocell {
 namespace {
@@ -15,33 +19,32 @@ std::string text_of(std::span<const std::byte> bytes) {
   return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
+/// Whether there are control characters but tab and line feed.
+bool has_control(std::string_view text) {
+  return std::any_of(text.begin(), text.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return (byte < 0x20 && byte != '\t' && byte != '\n') || byte == 0x7f;
+  });
+}
+
 }  // namespace
 
-bool is_utf8(std::string_view text) {
-  const auto byte = [&](std::size_t i) -> unsigned {
-    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
-  };
-  for (std::size_t i = 0; i < text.size();) {
-    const unsigned lead = byte(i);
-    std::size_t length = 1;
-    // The second byte's range excludes overlong forms, surrogates and what lies above U+10FFFF.
-    unsigned low = 0x80, high = 0xbf;
-    if (lead >= 0x80) {
-      if (lead < 0xc2 || lead > 0xf4) return false;
-      length = lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
-      if (lead == 0xe0) low = 0xa0;
-      if (lead == 0xed) high = 0x9f;
-      if (lead == 0xf0) low = 0x90;
-      if (lead == 0xf4) high = 0x8f;
-    }
-    for (std::size_t k = 1; k < length; ++k) {
-      if (byte(i + k) < low || byte(i + k) > high) return false;
-      low = 0x80;
-      high = 0xbf;
-    }
-    i += length;
+Status check_metadata(const Metadata& metadata) {
+  const std::string* previous = nullptr;
+  for (const auto& [key, value] : metadata) {
+    if (key.empty() || key.size() > kMaxKeyBytes || key.find('\0') != std::string::npos)
+      return Error{ErrorCode::kUsage, "a metadata key must have 1 to 256 bytes, none of them zero",
+                   "text-key"};
+    if (!is_utf8(key) || !is_utf8(value))
+      return Error{ErrorCode::kUsage, "metadata must be valid UTF-8", "text-utf8"};
+    if (previous && !(*previous < key))
+      return Error{ErrorCode::kUsage, "metadata keys must be unique and ascending: '" + key + "'",
+                   "text-order"};
+    if (value.size() > 0xffffffffu)
+      return Error{ErrorCode::kLimit, "a metadata value is longer than 4 GiB", "limit-exceeded"};
+    previous = &key;
   }
-  return true;
+  return {};
 }
 
 std::vector<std::byte> encode_text(const Metadata& metadata) {
@@ -80,6 +83,8 @@ std::optional<Metadata> decode_text(const ChunkPayload& chunk, MemoryBudget& bud
       add_issue(sink, IssueId::kTextKey, chunk, at, entry());
     if ((!is_utf8(key) || !is_utf8(value)) && sink.wants(IssueId::kTextUtf8))
       add_issue(sink, IssueId::kTextUtf8, chunk, at, entry());
+    if ((has_control(key) || has_control(value)) && sink.wants(IssueId::kTextControl))
+      add_issue(sink, IssueId::kTextControl, chunk, at, entry());
     // std::string compares bytes as unsigned char.
     if (!metadata.empty() && !(metadata.back().first < key) && sink.wants(IssueId::kTextOrder))
       add_issue(sink, IssueId::kTextOrder, chunk, at, entry());

@@ -13,37 +13,38 @@ namespace {
 
 using std::to_string;
 
-constexpr std::size_t kTileHeaderBytes = 24;
-constexpr std::size_t kPieceBytes = 8;
+constexpr std::uint64_t kHeaderFieldBytes = 24;
+constexpr std::uint64_t kPieceBytes = 8;
 constexpr std::uint32_t kNoVoxel = 0xffffffff;
 /// A piece costs its row and, while it is checked, the index of its first voxel; the same on every machine,
 /// so that limits are.
 constexpr std::uint64_t kPieceCost = 10;
 static_assert(sizeof(Piece) + sizeof(std::uint32_t) <= kPieceCost);
 
-std::size_t piece_at(std::size_t index) { return kTileHeaderBytes + index * kPieceBytes; }
+std::uint64_t piece_at(std::uint64_t index) { return kPartAlignment + index * kPieceBytes; }
+/// Where the ids begin.
+std::uint64_t ids_at(std::uint64_t piece_count) { return aligned_part(piece_at(piece_count)); }
 
 std::tuple<int, int, int, int> sort_key(const Piece& p) { return {p.cell, p.home[2], p.home[1], p.home[0]}; }
 
 /// The fixed fields; false if the maps' sizes do not follow from them.
 bool decode_header(const ChunkPayload& chunk, ByteReader& in, TileMap& tile, std::uint32_t& piece_count,
                    IssueSink& sink) {
-  if (in.remaining() < kTileHeaderBytes) {
-    add_issue(sink, IssueId::kPayloadTruncated, chunk, in.remaining(), "the header has 24 bytes");
-    return false;
-  }
-  const std::uint64_t errors_before = sink.errors();
+  if (!check_payload_header(chunk, sink)) return false;
   for (std::uint32_t& r : tile.resolution) r = in.u32();
   tile.cell_count = in.u32();
   piece_count = in.u32();
   tile.id_bytes = in.u32();
+  in.skip(kPartAlignment - kHeaderFieldBytes);
+  check_payload_zeros(chunk, kHeaderFieldBytes, kPartAlignment, IssueId::kPayloadReserved, sink);
+  const std::uint64_t counts_errors_before = sink.errors();
   for (std::size_t a = 0; a < 3; ++a) {
     if (tile.resolution[a] < kMinResolution || tile.resolution[a] > kMaxResolution)
       add_issue(sink, IssueId::kTileResolution, chunk, 4 * a, to_string(tile.resolution[a]));
   }
   if (tile.cell_count == 0 || tile.cell_count > kMaxCells)
     add_issue(sink, IssueId::kTileCellCount, chunk, 12, to_string(tile.cell_count));
-  if (sink.errors() != errors_before) return false;
+  if (sink.errors() != counts_errors_before) return false;
 
   if (piece_count < tile.cell_count || piece_count > tile.voxel_count()) {
     add_issue(sink, IssueId::kTilePieceCount, chunk, 16,
@@ -56,14 +57,10 @@ bool decode_header(const ChunkPayload& chunk, ByteReader& in, TileMap& tile, std
               to_string(tile.id_bytes) + " bytes for " + to_string(piece_count) + " pieces");
     return false;
   }
-  const std::uint64_t expected =
-      kTileHeaderBytes + std::uint64_t{piece_count} * kPieceBytes + tile.voxel_count() * tile.id_bytes;
-  if (chunk.bytes.size() == expected) return true;
-  const bool is_short = chunk.bytes.size() < expected;
-  add_issue(sink, is_short ? IssueId::kPayloadTruncated : IssueId::kPayloadTrailing, chunk,
-            is_short ? chunk.bytes.size() : static_cast<std::size_t>(expected),
-            to_string(chunk.bytes.size()) + " instead of " + to_string(expected) + " bytes");
-  return !is_short;
+  const std::uint64_t expected = ids_at(piece_count) + tile.voxel_count() * tile.id_bytes;
+  if (!check_payload_size(chunk, expected, sink) && chunk.bytes.size() < expected) return false;
+  check_payload_zeros(chunk, piece_at(piece_count), ids_at(piece_count), IssueId::kPayloadPadding, sink);
+  return true;
 }
 
 void decode_pieces(const ChunkPayload& chunk, ByteReader& in, std::uint32_t piece_count, TileMap& tile,
@@ -102,7 +99,7 @@ std::vector<std::uint32_t> first_voxels(const ChunkPayload& chunk, const TileMap
     const std::uint32_t id = tile.id(v);
     if (id > piece_count) {
       // A fault in every voxel is told in one message, or the validator would take minutes over it.
-      const std::size_t at = piece_at(piece_count) + v * tile.id_bytes;
+      const std::uint64_t at = ids_at(piece_count) + v * tile.id_bytes;
       add_issue(sink, IssueId::kVoxelId, chunk, at, "voxel " + to_string(v) + " has id " + to_string(id));
       break;
     }
@@ -141,16 +138,18 @@ std::vector<std::byte> encode_tile(const TileMap& tile) {
   assert(tile.voxel_ids.size() == tile.voxel_count() * tile.id_bytes);
   assert(tile.id_bytes == TileMap::id_bytes_for(tile.pieces.size()));
   ByteWriter out;
-  out.reserve(piece_at(tile.pieces.size()) + tile.voxel_ids.size());
+  out.reserve(ids_at(tile.pieces.size()) + tile.voxel_ids.size());
   for (const std::uint32_t r : tile.resolution) out.u32(r);
   out.u32(tile.cell_count);
   out.u32(static_cast<std::uint32_t>(tile.pieces.size()));
   out.u32(tile.id_bytes);
+  out.pad_to(kPartAlignment);
   for (const Piece& piece : tile.pieces) {
     out.u16(piece.cell);
     for (const std::int8_t h : piece.home) out.u8(static_cast<std::uint8_t>(h));
     out.zeros(3);
   }
+  out.pad_to(kPartAlignment);
   out.append(std::as_bytes(std::span(tile.voxel_ids)));
   return out.release();
 }
@@ -170,7 +169,7 @@ std::optional<TileMap> decode_tile(const ChunkPayload& chunk, MemoryBudget& budg
   if (sink.stopped()) return std::nullopt;
   const bool pieces_ok = sink.errors() == errors_before;
 
-  const auto ids = in.take(tile.voxel_count() * tile.id_bytes);
+  const auto ids = slice(chunk.bytes, ids_at(piece_count), tile.voxel_count() * tile.id_bytes);
   tile.voxel_ids.resize(ids.size());
   std::memcpy(tile.voxel_ids.data(), ids.data(), ids.size());
   const std::vector<std::uint32_t> first = first_voxels(chunk, tile, sink);

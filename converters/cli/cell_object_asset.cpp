@@ -96,8 +96,8 @@ class CellObjectAsset final : public Asset {
     info["voxel_edge"] = object_.grid.voxel_edge;
     info["rule"] = rule_name(object_.membership.rule);
     info["color_resolution"] = object_.color ? Json(object_.color->resolution) : Json(nullptr);
-    info["cell_colors"] = object_.cell_colors.size();
-    info["instance_colors"] = object_.instance_colors.size();
+    info["cell_colors"] = object_.cell_colors ? object_.cell_colors->colors.size() : 0;
+    info["instance_colors"] = object_.instance_colors ? object_.instance_colors->colors.size() : 0;
     info["normals"] = object_.normals ? object_.normals->normals.size() : 0;
     info["metadata"] = Json::object();
     for (const auto& [key, value] : object_.metadata) info["metadata"][key] = value;
@@ -145,8 +145,9 @@ class CellObjectAsset final : public Asset {
 
 }  // namespace
 
-Result<std::unique_ptr<Asset>> load_cell_object(const Container& container, const ReadLimits& limits) {
-  Result<CellObject> object = decode_cell_object(container, limits);
+Result<std::unique_ptr<Asset>> load_cell_object(const Container& container, const ReadLimits& limits,
+                                                std::size_t asset) {
+  Result<CellObject> object = decode_cell_object(container, limits, asset);
   if (!object) return object.error();
   return std::unique_ptr<Asset>(std::make_unique<CellObjectAsset>(std::move(*object)));
 }

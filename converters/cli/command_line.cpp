@@ -34,12 +34,13 @@ void add_no_clobber(CLI::App& app, bool& no_clobber) {
 
 void add_convert(CLI::App& app, ConvertCommand& command) {
   CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a mesh, or from a tile alone");
-  sub->add_option("input", command.input,
-                  std::string("Mesh: ") + kMeshExtensions +
-                      "; or tile:RECIPE, to keep and show a tile with each of its cells once")
+  // The parser gives all words to the first option that takes several, so the output is the last of them.
+  sub->add_option("input... output", command.inputs,
+                  std::string("Input: a mesh, ") + kMeshExtensions +
+                      "; or tile:RECIPE, to keep and show a tile with each of its cells once; or .meso files, whose "
+                      "assets are put into one file, FILE.meso#ASSET for one of them. Output: .meso")
       ->required()
-      ->type_name("MESH");
-  sub->add_option("output", command.output, "File to write: .meso")->required()->type_name("OUTPUT");
+      ->option_text("FILES");
   CLI::Option* tiles =
       sub->add_option("--tiles", command.tiles, "Tiles along the longest side of the grid, from 1 [16]")
           ->type_name("N");
@@ -73,6 +74,15 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   metres("--wrap-offset", command.wrap_offset, "How far off the surface a wrap is [a thirtieth of alpha]");
   sub->add_option("--color", command.color, "Recipe of the color; white if not given")->type_name("RECIPE");
   sub->add_flag("--normals", command.normals, "Store smooth normals at the borders of the cells");
+  sub->add_option("--meta", command.meta, "Free text to keep in the file; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all();
+  sub->add_option("--codec", command.codec,
+                  "zstd, which makes files small, or raw, so that maps can be used in place from a memory map [zstd]")
+      ->type_name("CODEC");
+  sub->add_option("--target-version", command.target_version, "Version of the format to write: 1.0 [1.0]")
+      ->type_name("VERSION");
   add_no_clobber(*sub, command.no_clobber);
   add_common(*sub, command.common);
   sub->footer(
@@ -88,7 +98,8 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
       "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
       "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n"
       "  mesocell convert tile:mesh:file=stones.obj,size=2 stones.meso --color stone\n"
-      "  mesocell convert wall.ply wall.meso --tile stones.meso\n");
+      "  mesocell convert wall.ply wall.meso --tile stones.meso\n"
+      "  mesocell convert wall.meso bunny.meso library.meso && mesocell render library.meso#bunny bunny.png\n");
 }
 
 void add_info(CLI::App& app, InfoCommand& command) {
@@ -105,9 +116,14 @@ void add_info(CLI::App& app, InfoCommand& command) {
 void add_validate(CLI::App& app, ValidateCommand& command) {
   CLI::App* sub = app.add_subcommand("validate", "List every fault of a .meso file");
   sub->add_option("input", command.input, "File to check: .meso")->required()->type_name("FILE");
+  sub->add_flag("--strict", command.strict, "Let a warning count as a fault");
+  sub->add_option("--max-issues", command.max_issues, "Most issues to list, 1 to 1000000 [256]")
+      ->type_name("N")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1000000}).description(""));
   add_common(*sub, command.common);
   sub->footer(
-      "Exit code 0 if the file is valid, 1 if it is not, 3 if it is no .meso file at all.\n\n"
+      "Exit code 0 if the file is valid, 1 if it is not, 3 if it is no .meso file at all.\n"
+      "Every issue has an id, which spec/issues.md explains; --json follows spec/validation-report.schema.json.\n\n"
       "Example:\n  mesocell validate bunny.meso\n");
 }
 
@@ -313,7 +329,14 @@ int run_command_line(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return usage_error(app, error, argc, argv);
   }
-  if (app.got_subcommand("convert")) return run_convert(convert);
+  if (app.got_subcommand("convert")) {
+    if (convert.inputs.size() < 2)
+      return usage_error(app, CLI::RequiredError("output"), argc, argv);
+    convert.output = convert.inputs.back();
+    convert.inputs.pop_back();
+    convert.input = convert.inputs.front();
+    return run_convert(convert);
+  }
   if (app.got_subcommand("info")) return run_info(info);
   if (app.got_subcommand("validate")) return run_validate(validate);
   if (app.got_subcommand("compare")) return run_compare(compare);

@@ -15,7 +15,10 @@ namespace mesocell {
 
 struct ConvertCommand {
   CommonOptions common;
-  std::string input, output;
+  std::vector<std::string> inputs;  ///< at least one
+  std::string input, output;        ///< input: the first one
+  std::optional<std::string> codec, target_version;
+  std::vector<std::string> meta;  ///< each KEY=VALUE
   std::optional<std::int64_t> tiles;
   std::optional<double> tile_size;
   std::string box;
@@ -29,13 +32,15 @@ struct ConvertCommand {
 
 struct InfoCommand {
   CommonOptions common;
-  std::string input;
+  std::string input, tile;
 };
 [[nodiscard]] int run_info(const InfoCommand& command);
 
 struct ValidateCommand {
   CommonOptions common;
   std::string input;
+  bool strict = false;
+  std::size_t max_issues = 256;
 };
 [[nodiscard]] int run_validate(const ValidateCommand& command);
 

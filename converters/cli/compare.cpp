@@ -102,15 +102,28 @@ Comparison compare_images(Image a, Image b, double tolerance) {
   return result;
 }
 
-Comparison compare_assets(const AssetFile& a, const AssetFile& b) {
-  Comparison result;
-  Json& json = result.json;
-  json = {{"kind", "asset"}, {"equal", false}, {"differences", Json::array()}};
+Json compare_asset(const NamedAsset& a, const NamedAsset& b) {
+  Json json = {{"differences", Json::array()}};
   if (a.representation != b.representation) {
     json["differences"].push_back("representation");
   } else {
     a.asset->compare(*b.asset, json);
   }
+  return json;
+}
+
+/// Assets by their order; those of the first pair are told in full.
+Comparison compare_assets(const AssetFile& a, const AssetFile& b) {
+  Comparison result;
+  Json& json = result.json;
+  json = {{"kind", "asset"}, {"equal", false}};
+  json.update(compare_asset(a.assets.front(), b.assets.front()));
+  bool others_equal = a.assets.size() == b.assets.size();
+  for (std::size_t i = 0; i < a.assets.size() && others_equal; ++i) {
+    others_equal = (a.assets.size() == 1 || a.assets[i].name == b.assets[i].name) &&
+                   (i == 0 || compare_asset(a.assets[i], b.assets[i])["differences"].empty());
+  }
+  if (!others_equal) json["differences"].push_back("assets");
   json["equal"] = json["differences"].empty();
   if (json["equal"]) {
     result.text = "the assets are equal\n";
@@ -138,15 +151,15 @@ std::optional<Failure> compare_pictures(const CompareCommand& command, const Pro
 
 std::optional<Failure> compare_two_assets(const CompareCommand& command, const Progress&,
                                           Comparison& result) {
-  const Result<AssetFile> a = read_asset_file(command.a);
+  const Result<AssetFile> a = read_whole_asset_file(command.a);
   if (!a) return Failure{a.error(), command.a};
-  const Result<AssetFile> b = read_asset_file(command.b);
+  const Result<AssetFile> b = read_whole_asset_file(command.b);
   if (!b) return Failure{b.error(), command.b};
   result = compare_assets(*a, *b);
   return std::nullopt;
 }
 
-bool is_asset(const std::string& path) { return has_extension(path, ".meso"); }
+bool is_asset(const std::string& path) { return is_asset_path(path); }
 
 /// What can be compared with what, and which options have an effect on it.
 struct Row {

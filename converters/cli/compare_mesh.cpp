@@ -54,12 +54,12 @@ std::optional<Failure> compare_with_mesh(const CompareCommand& command, const Pr
   options.samples = command.samples.value_or(options.samples);
   options.seed = command.seed.value_or(options.seed);
   options.threads = command.common.threads;
-  const Result<SurfaceDistance> distance = asset->asset->surface_distance(*mesh, options, progress);
+  const Result<SurfaceDistance> distance = asset->first().surface_distance(*mesh, options, progress);
   if (!distance) return Failure{distance.error(), command.a + ", " + command.b};
 
   const double rms = distance->percent(std::max(distance->asset_to_mesh.rms, distance->mesh_to_asset.rms));
   const bool within = !command.tolerance || rms <= *command.tolerance;
-  const double volume = asset->asset->volume();
+  const double volume = asset->first().volume();
   const std::optional<double> mesh_volume = volume_of(*mesh);
   Json& json = result.json;
   json = {{"kind", "asset-and-mesh"}, {"equal", within}, {"differences", Json::array()}};

@@ -1,5 +1,6 @@
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "converters/cli/commands.h"
 #include "converters/cli/convert_plan.h"
 #include "converters/cli/progress_bar.h"
+#include "converters/cli/repack.h"
 #include "converters/cli/repair_report.h"
 #include "converters/cli/representations.h"
 #include "converters/cli/shape_source.h"
@@ -62,6 +64,8 @@ std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertP
     object.metadata.emplace_back("repair", repair_text(report.repair));
   if (plan.author.solid != SolidRule::kNonzero) object.metadata.emplace_back("solid", *command.solid);
   object.metadata.emplace_back("tile", tile.recipe);
+  object.metadata.insert(object.metadata.end(), plan.metadata.begin(), plan.metadata.end());
+  std::sort(object.metadata.begin(), object.metadata.end());
   if (Status status = apply_colors(std::move(tile.colors), surface, object, plan.author.threads, &progress);
       !status)
     return Failure{status.error(), command.input};
@@ -108,22 +112,36 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
   outcome.report.warnings.insert(outcome.report.warnings.begin(), warnings.begin(), warnings.end());
 
   watch.lap();
-  const Result<std::vector<std::byte>> bytes = encode_cell_object(*object);
+  const Result<std::vector<std::byte>> bytes = encode_cell_object(*object, plan.write);
   if (!bytes) return Failure{bytes.error(), command.output};
   if (progress.cancelled()) return Failure{Error{ErrorCode::kCancelled, "interrupted"}, {}};
   if (Status status = write_file(command.output, *bytes, command.no_clobber); !status)
     return Failure{status.error(), command.output};
   outcome.seconds.write = watch.lap();
 
-  Result<AssetFile> file = read_asset(*bytes);
+  Result<AssetFile> file = read_assets(*bytes);
   if (!file) return Failure{file.error(), command.output};
   outcome.file = std::move(*file);
   outcome.seconds.total = watch.total();
   return std::nullopt;
 }
 
+/// Assets into an asset: nothing is authored.
+std::optional<Failure> convert_assets(const ConvertCommand& command, const Progress& progress, Outcome& outcome) {
+  Stopwatch watch;
+  if (auto failure = repack(command, progress, outcome.file)) return failure;
+  const bool given = command.tiles || command.tile_size || !command.box.empty() || command.tile || command.rule ||
+                     command.percolating || command.repair || command.solid || command.stitch || command.thicken ||
+                     command.wrap_alpha || command.wrap_offset || command.color || command.normals;
+  if (given)
+    outcome.report.warnings.push_back(
+        {"option-unused", "only --codec, --meta, --target-version and --no-clobber have an effect on .meso files"});
+  outcome.seconds.total = watch.total();
+  return std::nullopt;
+}
+
 nlohmann::ordered_json outcome_json(const Outcome& outcome) {
-  nlohmann::ordered_json json = describe_asset(outcome.file);
+  nlohmann::ordered_json json = describe_assets(outcome.file);
   json["seconds"]["read"] = outcome.seconds.read;
   json["seconds"]["tile"] = outcome.seconds.tile;
   json["seconds"]["voxelize"] = outcome.seconds.voxelize;
@@ -160,7 +178,8 @@ int run_convert(const ConvertCommand& command) {
   const Console console(command.common);
   ProgressBar bar(!console.quiet());
   Outcome outcome;
-  const std::optional<Failure> failure = convert(command, bar.progress(), outcome);
+  const std::optional<Failure> failure = is_repack(command) ? convert_assets(command, bar.progress(), outcome)
+                                                            : convert(command, bar.progress(), outcome);
   bar.finish();
   const MeshDiagnosis& diagnosis = outcome.report.diagnosis;
   if (failure && diagnosis.triangles > 0)

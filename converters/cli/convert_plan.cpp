@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <string_view>
 #include <utility>
 
 #include "converters/cli/cell_object_asset.h"
+#include "converters/cli/repack.h"
 #include "converters/cli/shape_source.h"
 #include "converters/cli/values.h"
 #include "converters/import/mesh_file.h"
@@ -34,20 +36,6 @@ struct SolidRow {
 constexpr std::array<SolidRow, 3> kSolids = {{{"nonzero", SolidRule::kNonzero},
                                               {"even-odd", SolidRule::kEvenOdd},
                                               {"outer", SolidRule::kOuter}}};
-
-std::optional<Failure> check_files(const ConvertCommand& command, const ConvertPlan& plan) {
-  if (has_extension(command.input, ".meso") && !tile_of_input(command.input))
-    return usage(command.input, "converting from .meso is not available; the input must be a mesh: " +
-                                    std::string(kMeshExtensions));
-  if (!has_extension(command.output, ".meso"))
-    return usage(command.output, "a mesh can be converted to .meso alone; give the output that extension");
-  for (const std::string& input : {command.input, plan.tile.saved})
-    if (!input.empty() && same_file(input, command.output))
-      return usage(command.output, "input and output are the same file; name another output");
-  if (Status status = check_output(command.output, command.no_clobber); !status)
-    return Failure{status.error(), command.output};
-  return std::nullopt;
-}
 
 std::optional<Failure> parse_tile(const ConvertCommand& command, ConvertPlan& plan) {
   const std::optional<std::string> shown = tile_of_input(command.input);
@@ -160,6 +148,41 @@ void find_unused(const ConvertCommand& command, ConvertPlan& plan) {
 
 }  // namespace
 
+std::optional<Failure> check_convert_files(const ConvertCommand& command, const std::string& more_input) {
+  if (command.inputs.size() > 1 && !is_repack(command))
+    return usage(command.inputs[1], "only .meso files can be put together; name one input and one output");
+  if (!has_extension(command.output, ".meso"))
+    return usage(command.output, "it can be converted to .meso alone; give the output that extension");
+  std::vector<std::string> inputs = command.inputs;
+  if (!more_input.empty()) inputs.push_back(more_input);
+  for (const std::string& input : inputs)
+    if (same_file(parse_asset_path(input).file, command.output))
+      return usage(input, "input and output are the same file; name another output");
+  if (Status status = check_output(command.output, command.no_clobber); !status)
+    return Failure{status.error(), command.output};
+  return std::nullopt;
+}
+
+std::optional<Failure> parse_write_options(const ConvertCommand& command, WriteOptions& options,
+                                           Metadata& metadata) {
+  const std::string codec = command.codec.value_or("zstd");
+  if (codec != "zstd" && codec != "raw")
+    return usage("--codec", "unknown choice '" + codec + "'; there are: zstd, raw");
+  options.compress = codec == "zstd";
+  if (command.target_version && *command.target_version != "1.0")
+    return usage("--target-version",
+                 "there is no version '" + *command.target_version + "' that can be written; there are: 1.0");
+  std::map<std::string, std::string> merged;
+  for (const std::string& entry : command.meta) {
+    const std::size_t equals = entry.find('=');
+    if (equals == std::string::npos) return usage("--meta", "it has no value; write KEY=VALUE");
+    merged[entry.substr(0, equals)] = entry.substr(equals + 1);
+  }
+  metadata.assign(merged.begin(), merged.end());
+  if (Status status = check_metadata(metadata); !status) return Failure{status.error(), "--meta"};
+  return std::nullopt;
+}
+
 std::optional<Failure> make_convert_plan(const ConvertCommand& command, ConvertPlan& plan) {
   if (auto failure = parse_tile(command, plan)) return failure;
   if (command.color) {
@@ -170,8 +193,12 @@ std::optional<Failure> make_convert_plan(const ConvertCommand& command, ConvertP
   if (auto failure = parse_grid(command, plan.author)) return failure;
   if (auto failure = parse_repair(command, plan.author.repair)) return failure;
   if (auto failure = parse_solid(command, plan.author.solid)) return failure;
+  if (auto failure = parse_write_options(command, plan.write, plan.metadata)) return failure;
+  for (const auto& [key, value] : plan.metadata)
+    if (key == "color" || key == "repair" || key == "solid" || key == "tile")
+      return usage("--meta", "'" + key + "' is a key that mesocell writes itself; use another one");
   find_unused(command, plan);
-  return check_files(command, plan);
+  return check_convert_files(command, plan.tile.saved);
 }
 
 }  // namespace mesocell

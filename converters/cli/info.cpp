@@ -38,6 +38,16 @@ std::string info_text(const nlohmann::ordered_json& info) {
   return text;
 }
 
+/// A block of lines for each of several assets; one alone needs no name.
+std::string file_text(nlohmann::ordered_json info) {
+  const nlohmann::ordered_json assets = std::move(info["assets"]);
+  info.erase("assets");
+  if (assets.size() == 1) return info_text(info);
+  std::string text = info_text({{"format", info["format"]}, {"file_bytes", info["file_bytes"]}});
+  for (const nlohmann::ordered_json& asset : assets) text += "\n" + info_text(asset);
+  return text;
+}
+
 /// What a mesh file holds and all that is amiss with it.
 int tell_mesh(const InfoCommand& command, const Console& console) {
   ProgressBar bar(!console.quiet());
@@ -82,10 +92,10 @@ int tell_mesh(const InfoCommand& command, const Console& console) {
 int run_info(const InfoCommand& command) {
   const Console console(command.common);
   if (is_readable_mesh(command.input)) return tell_mesh(command, console);
-  const Result<AssetFile> file = read_asset_file(command.input);
+  const Result<AssetFile> file = read_whole_asset_file(command.input);
   if (!file) return console.fail(file.error(), command.input);
-  const nlohmann::ordered_json info = describe_asset(*file);
-  return console.finish(console.json() ? json_text(info) : info_text(info));
+  const nlohmann::ordered_json info = describe_assets(*file);
+  return console.finish(console.json() ? json_text(info) : file_text(info));
 }
 
 }  // namespace mesocell

@@ -133,7 +133,7 @@ std::optional<Failure> render_file(const RenderCommand& command, const Progress&
   }
   const Result<AssetFile> file = read_asset_file(command.input);
   if (!file) return Failure{file.error(), command.input};
-  const Result<std::unique_ptr<Caster>> whole = file->asset->make_caster(command.method);
+  const Result<std::unique_ptr<Caster>> whole = file->first().make_caster(command.method);
   if (!whole) return Failure{whole.error(), "--method"};
   std::optional<ClippedCaster> clipped;
   if (plan.clip) clipped.emplace(**whole, plan.clip->normal, plan.clip->distance);

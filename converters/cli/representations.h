@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -37,24 +38,49 @@ class Asset {
   [[nodiscard]] virtual double volume() const = 0;
 };
 
-/// A .meso file that was read whole.
-struct AssetFile {
+/// An asset of a file.
+struct NamedAsset {
   std::unique_ptr<Asset> asset;
-  std::string format;          ///< "meso 0.9"
+  std::string name;            ///< as the file has it, may be empty
   std::string representation;  ///< "cell-object"
   std::vector<ChunkInfo> chunks;
-  std::uint64_t file_bytes = 0;
 };
 
-/// Reads an asset from a file's bytes, which need not live on. Untrusted input: safe.
-/// Errors: kInvalidInput with the id, kLimit.
-[[nodiscard]] Result<AssetFile> read_asset(std::span<const std::byte> bytes, const ReadLimits& limits = {});
+/// A .meso file, or one asset of it, that was read whole.
+struct AssetFile {
+  std::vector<NamedAsset> assets;  ///< at least one
+  std::string format;              ///< "meso 1.0"
+  std::uint64_t file_bytes = 0;
 
-/// The same from a file. Errors also: kUnreadable.
+  [[nodiscard]] const Asset& first() const { return *assets.front().asset; }
+};
+
+/// A .meso file's name on the command line: FILE.meso, or FILE.meso#ASSET for the asset of that name, or of that
+/// number from 0. A file that is there under the whole name goes before.
+struct AssetPath {
+  std::string file;
+  std::optional<std::string> asset;
+};
+[[nodiscard]] AssetPath parse_asset_path(const std::string& text);
+/// Whether it names a .meso file or an asset of one.
+[[nodiscard]] bool is_asset_path(const std::string& text);
+
+/// Index of the asset that is asked for, 0 if none is. Errors: kUsage.
+[[nodiscard]] Result<std::size_t> find_asset(const Container& container, const std::optional<std::string>& asset);
+
+/// Reads assets from a file's bytes, which need not live on: the one that is asked for, else all. Untrusted
+/// input: safe. Errors: kInvalidInput with the id, kLimit, kUsage (no such asset).
+[[nodiscard]] Result<AssetFile> read_assets(std::span<const std::byte> bytes,
+                                            const std::optional<std::string>& asset = std::nullopt,
+                                            const ReadLimits& limits = {});
+
+/// The asset that a path names: the first of several unless it names one. Errors also: kUnreadable.
 [[nodiscard]] Result<AssetFile> read_asset_file(const std::string& path, const ReadLimits& limits = {});
+/// All assets of the file, or the one that the path names.
+[[nodiscard]] Result<AssetFile> read_whole_asset_file(const std::string& path, const ReadLimits& limits = {});
 
-/// All that `info --json` tells.
-[[nodiscard]] nlohmann::ordered_json describe_asset(const AssetFile& file);
+/// All that `info --json` tells: of the first asset in keys of their own, of all in "assets".
+[[nodiscard]] nlohmann::ordered_json describe_assets(const AssetFile& file);
 
 /// JSON as the command prints it, with a line end; text that is not UTF-8 is replaced.
 [[nodiscard]] std::string json_text(const nlohmann::ordered_json& json);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "converters/cli/commands.h"
+#include "converters/cli/representations.h"
 #include "converters/import/mesh_file.h"
 #include "converters/import/volume_file.h"
 #include "format/cell_object_io.h"
@@ -109,9 +110,14 @@ void add_warnings(const TileReport& report, std::vector<Warning>& warnings) {
 }
 
 std::optional<Failure> take_saved(const TileSource& source, SourcedTile& tile) {
-  const Result<std::vector<std::byte>> bytes = read_input(source.saved, ReadLimits{}.max_file_bytes);
-  if (!bytes) return Failure{bytes.error(), source.saved};
-  Result<CellObject> object = read_cell_object(*bytes);
+  const AssetPath place = parse_asset_path(source.saved);
+  const Result<std::vector<std::byte>> bytes = read_input(place.file, ReadLimits{}.max_file_bytes);
+  if (!bytes) return Failure{bytes.error(), place.file};
+  const Result<Container> container = Container::open(*bytes);
+  if (!container) return Failure{container.error(), place.file};
+  const Result<std::size_t> index = find_asset(*container, place.asset);
+  if (!index) return Failure{index.error(), place.file};
+  Result<CellObject> object = read_cell_object(*bytes, {}, *index);
   if (!object) return Failure{object.error(), source.saved};
   tile.recipe = std::filesystem::path(source.saved).filename().string();
   for (const auto& [key, value] : object->metadata) {
@@ -137,7 +143,7 @@ Recipe without_folders(Recipe recipe) {
 Result<TileSource> parse_tile_source(const std::string& text, std::string option) {
   TileSource source;
   source.option = std::move(option);
-  if (has_extension(text, ".meso")) {
+  if (is_asset_path(text)) {
     source.saved = text;
     return source;
   }

@@ -29,6 +29,8 @@ nlohmann::ordered_json report_json(const ValidationReport& report) {
     entry["text"] = issue.text;
     json["issues"].push_back(entry);
   }
+  json["errors"] = report.errors;
+  json["warnings"] = report.warnings;
   json["capped"] = report.capped;
   return json;
 }
@@ -57,7 +59,8 @@ int run_validate(const ValidateCommand& command) {
     return console.fail(Error{ErrorCode::kInvalidInput,
                               "it is not a .meso file; name a file that mesocell wrote", "header-magic", 0},
                         command.input);
-  const ValidationReport report = validate(*bytes, limits);
+  ValidationReport report = validate(*bytes, limits, command.max_issues);
+  if (command.strict && report.warnings > 0) report.valid = false;
   return console.finish(
       console.json() ? json_text(report_json(report)) : report_text(report, command.input, console.quiet()),
       report.valid ? kExitDone : kExitCheckFailed);

@@ -68,136 +68,254 @@ u64 hash64(const u8* p, u64 size) {
 // ---- State of one call
 
 struct Chunk {
-  u32 type;  // 0: the chunk is not in the file
-  u32 codec;
-  u64 offset, stored, decoded;
+  bool there, critical;
+  u32 type, codec, block;
+  u64 offset, stored, decoded, hash;
+  const u8* bytes;  // decoded; null until load_chunk()
+  u64 blocks() const { return decoded / block + (decoded % block != 0); }
+  u64 block_size(u64 b) const { return decoded - b * block < block ? decoded - b * block : block; }
+  u64 data_at() const { return blocks() > 1 ? round_up(blocks() * 16, 64) : 0; }
 };
 
 struct Loader {
   const u8* file;
   u64 size;
-  MesocellLimits limits;
+  MesocellOptions options;
   MesocellFault* fault;
-  u64 budget = 0;                // what is left of limits.max_decoded_bytes
-  Chunk chunks[9]{};             // by kTypes, then the last unknown one
-  const Chunk* chunk = nullptr;  // the one that is read
+  u32 minor = 0, asset_count = 0, chunk_count = 0;
+  u64 directory = 0;             // where it begins
+  u64 budget = 0;                // what is left of options.max_decoded_bytes
+  Chunk chunks[kUnknown]{};      // of the asset, by kTypes
+  u32 fault_chunk = 0;           // the chunk that is looked at
+  u64 fault_at = 0;              // and where it is
   ZSTD_DCtx* zstd = nullptr;
   MesocellObject* object = nullptr;
 
   MesocellStatus fail(MesocellStatus status, const char* text, u64 offset) const {
-    if (fault) *fault = {text, offset, chunk->type};
+    if (fault) *fault = {text, offset, fault_chunk};
     return status;
   }
   MesocellStatus invalid(const char* text, u64 at) const { return fail(kMesocellInvalid, text, at); }
-  MesocellStatus bad(const char* text) const { return invalid(text, chunk->offset); }
+  MesocellStatus bad(const char* text) const { return invalid(text, fault_at); }
   MesocellStatus over_limit(const char* text) const { return fail(kMesocellLimit, text, 0); }
   bool charge(u64 count, u64 each) {
     if (count != 0 && each > budget / count) return false;
     budget -= count * each;
     return true;
   }
+  bool reserved(u64 at, u64 count) const { return all_zero(file + at, count); }
+  bool ignorable(u64 at, u64 count) const { return minor > 0 || all_zero(file + at, count); }
 
-  MesocellStatus check_container();
-  MesocellStatus check_entry(const u8* entry, u64& expected);
-  MesocellStatus decode(int index, u8* to);
+  MesocellStatus check_header();
+  MesocellStatus check_assets();
+  MesocellStatus check_directory();
+  MesocellStatus check_entry(u64 at, u64& expected) const;
+  MesocellStatus check_block(const Chunk& chunk, u64 b, u64 stored) const;
+  MesocellStatus open();
+  MesocellStatus find_chunks(u32 asset);
+  MesocellStatus verify(const Chunk& chunk) const;
+  MesocellStatus decode_block(const u8* from, u64 stored, u8* to, u64 decoded) const;
+  MesocellStatus load_chunk(Chunk& chunk, u8* to);
+  MesocellStatus header(const Chunk& chunk, u64 fields) const;
+  MesocellStatus stated_error(const u8* bytes, float& error) const;
   MesocellStatus load_grid();
-  MesocellStatus load_tile(const u8* bytes, u32* first);
+  MesocellStatus load_tile(const Chunk& chunk, u32* first);
+  MesocellStatus check_pieces() const;
   MesocellStatus check_homes(const u32* first) const;
-  MesocellStatus load_membership(const u8* bytes, u32* entries);
-  MesocellStatus load_color(const u8* bytes);
-  MesocellStatus load_colors(const u8* bytes, u64 count, const uint8_t*& colors);
+  MesocellStatus load_membership(const Chunk& chunk, u32* entries);
+  MesocellStatus check_tags(u64 counts[4]) const;
+  MesocellStatus load_color(const Chunk& chunk);
+  MesocellStatus load_colors(const Chunk& chunk, u64 count, const uint8_t*& colors, float& error);
   bool same_instance(u32 a, u32 b, int dx, int dy, int dz) const;
   u64 count_boundary() const;
-  MesocellStatus load_normals(const u8* bytes);
-  MesocellStatus load_text(const u8* bytes);
+  MesocellStatus load_normals(const Chunk& chunk);
+  MesocellStatus load_text(const Chunk& chunk);
 };
 
 // Returns from the calling function unless the step succeeds.
 #define MESOCELL_TRY(step) \
   if (const MesocellStatus status_ = (step); status_ != kMesocellOk) return status_
 
+Chunk read_entry(const u8* p) {
+  Chunk c = {};
+  c.there = true;
+  c.critical = (p[4] & 1) != 0;
+  c.type = get32(p), c.codec = get32(p + 8), c.block = get32(p + 12);
+  c.offset = get64(p + 16), c.stored = get64(p + 24), c.decoded = get64(p + 32), c.hash = get64(p + 40);
+  return c;
+}
+
+bool is_utf8(const u8* p, u64 size) {
+  for (u64 i = 0; i < size;) {
+    const u32 lead = p[i++];
+    if (lead < 0x80) continue;
+    const u32 more = lead >= 0xF0 ? 3 : lead >= 0xE0 ? 2 : 1;
+    if (lead < 0xC0 || lead > 0xF7 || more > size - i) return false;
+    u32 point = lead & (0x3Fu >> more);
+    for (u32 k = 0; k < more; ++k, ++i) {
+      if ((p[i] & 0xC0) != 0x80) return false;
+      point = point << 6 | (p[i] & 0x3F);
+    }
+    static const u32 least[4] = {0, 0x80, 0x800, 0x10000};
+    if (point < least[more] || point > 0x10FFFF || (point >= 0xD800 && point <= 0xDFFF)) return false;
+  }
+  return true;
+}
+
 // ---- 3 Container
 
-MesocellStatus Loader::check_container() {
-  // 3.1
-  chunk = chunks;
+// 3.1
+MesocellStatus Loader::check_header() {
   static const u8 magic[8] = {0x89, 0x4D, 0x45, 0x53, 0x4F, 0x0D, 0x0A, 0x1A};
-  if (size > limits.max_file_bytes) return over_limit("the file is too large");
+  if (size > options.max_file_bytes) return over_limit("the file is too large");
   if (size < 64) return invalid("the file is shorter than its header", size);
   if (std::memcmp(file, magic, 8) != 0) return invalid("not a .meso file", 0);
   if (get64(file + 56) != hash64(file, 56)) return invalid("the header is damaged", 56);
-  if (get16(file + 8) != 0 || get16(file + 10) != 9) return invalid("unknown version", 8);
-  if (get32(file + 12) != kCell) return invalid("unknown representation", 12);
+  if (get16(file + 8) != 1) return invalid("unknown version", 8);
+  minor = get16(file + 10);
+  asset_count = get32(file + 12);
+  chunk_count = get32(file + 24);
   if (get64(file + 16) != size) return invalid("the file has not the size that its header states", 16);
-  const u64 count = get32(file + 24);
-  if (count < 1 || count > 1024) return invalid("the number of chunks is not in 1...1024", 24);
+  if (asset_count < 1 || asset_count > 1024) return invalid("the number of assets is not in 1...1024", 12);
+  if (chunk_count < 1 || chunk_count > 4096) return invalid("the number of chunks is not in 1...4096", 24);
   if (get32(file + 28) != 0) return invalid("flags are not zero", 28);
-  if (!all_zero(file + 40, 16)) return invalid("reserved bytes are not zero", 40);
-  if (count * 64 > size - 64) return invalid("the file ends within the directory", size);
-  if (get64(file + 32) != hash64(file + 64, count * 64)) return invalid("the directory is damaged", 32);
+  if (!reserved(40, 8) || !ignorable(48, 8)) return invalid("reserved bytes are not zero", 40);
+  directory = 64 + 64 * u64(asset_count);
+  const u64 tables = 64 * (u64(asset_count) + chunk_count);
+  if (tables > size - 64) return invalid("the file ends within its tables", size);
+  if (get64(file + 32) != hash64(file + 64, tables)) return invalid("the tables are damaged", 32);
+  return kMesocellOk;
+}
 
-  // 3.2 and 3.3
-  u64 expected = 64 + 64 * count;
-  budget = limits.max_decoded_bytes;
-  for (u64 i = 0; i < count; ++i) {
-    const u8* entry = file + 64 + 64 * i;
-    for (const u8* e = file + 64; e < entry; e += 64)
-      if (get32(e) == get32(entry)) return invalid("a chunk type occurs twice", 64 + 64 * i);
-    MESOCELL_TRY(check_entry(entry, expected));
+// 3.2
+MesocellStatus Loader::check_assets() {
+  u64 sum = 0;
+  for (u32 i = 0; i < asset_count; ++i) {
+    const u64 at = 64 + 64 * u64(i);
+    const u8* name = file + at + 16;
+    u64 name_bytes = 0;
+    while (name_bytes < 40 && name[name_bytes] != 0) ++name_bytes;
+    if (get16(file + at + 4) != 0) return invalid("unknown asset flags", at + 4);
+    if (!ignorable(at + 6, 2) || !reserved(at + 12, 4) || !ignorable(at + 56, 8))
+      return invalid("reserved bytes are not zero", at);
+    if (!all_zero(name + name_bytes, 40 - name_bytes) || !is_utf8(name, name_bytes))
+      return invalid("a bad name of an asset", at + 16);
+    for (u64 other = 64; name_bytes > 0 && other < at; other += 64)
+      if (std::memcmp(file + other + 16, name, 40) == 0) return invalid("two assets have one name", at + 16);
+    if (get32(file + at + 8) < 1) return invalid("an asset has no chunk", at + 8);
+    sum += get32(file + at + 8);
   }
-  if (expected != size) return invalid("the file goes on after its last chunk", expected);
+  return sum == chunk_count ? kMesocellOk : invalid("the assets have not the chunks of the directory", 64);
+}
+
+// 3.3 to 3.5, all but what is in the chunks
+MesocellStatus Loader::check_directory() {
+  u64 expected = directory + 64 * u64(chunk_count);
+  for (u32 i = 0; i < chunk_count; ++i) MESOCELL_TRY(check_entry(directory + 64 * u64(i), expected));
+  return expected == size ? kMesocellOk : invalid("the file goes on after its last chunk", expected);
+}
+
+MesocellStatus Loader::check_entry(u64 at, u64& expected) const {
+  const Chunk c = read_entry(file + at);
+  if ((get16(file + at + 4) & 0xFFFE) != 0) return invalid("unknown chunk flags", at + 4);
+  if (!ignorable(at + 6, 2) || !reserved(at + 48, 8) || !ignorable(at + 56, 8))
+    return invalid("reserved bytes are not zero", at);
+  if (c.codec > 1) return invalid("unknown codec", at + 8);
+  if (c.block < 4096 || c.block > 8388608 || (c.block & (c.block - 1)) != 0)
+    return invalid("a bad block size", at + 12);
+  if (c.offset != expected) return invalid("a chunk is not in its place", at + 16);
+  if (c.stored > size - c.offset) return invalid("a chunk reaches beyond the file", at + 24);
+  if (c.data_at() > c.stored) return invalid("a chunk is too small for its block table", at + 24);
+  if (c.codec == 0 && c.stored - c.data_at() != c.decoded)
+    return invalid("a raw chunk has not the size that it should", at + 24);
+  if (c.blocks() <= 1) MESOCELL_TRY(check_block(c, 0, c.stored));
+  expected = round_up(c.offset + c.stored, 64);
+  return expected <= size ? kMesocellOk : invalid("a chunk's padding reaches beyond the file", at + 24);
+}
+
+MesocellStatus Loader::check_block(const Chunk& c, u64 b, u64 stored) const {
+  const u64 decoded = c.block_size(b);
+  const bool right = c.codec == 0 ? stored == decoded : stored <= decoded && (stored > 0 || decoded == 0);
+  if (!right || decoded / 32768 > stored) return invalid("a block has not a size that it can have", c.offset);
+  return kMesocellOk;
+}
+
+MesocellStatus Loader::open() {
+  MESOCELL_TRY(check_header());
+  MESOCELL_TRY(check_assets());
+  return check_directory();
+}
+
+// 3.3 and 4: the chunks of the asset
+MesocellStatus Loader::find_chunks(u32 asset) {
+  if (asset >= asset_count) return fail(kMesocellNoSuchAsset, "the file has no such asset", 12);
+  if (get32(file + 64 + 64 * u64(asset)) != kCell)
+    return invalid("unknown representation", 64 + 64 * u64(asset));
+  const u8* first = file + directory;
+  for (u32 i = 0; i < asset; ++i) first += 64 * u64(get32(file + 64 + 64 * u64(i) + 8));
+  const u8* end = first + 64 * u64(get32(file + 64 + 64 * u64(asset) + 8));
+  for (const u8* entry = first; entry < end; entry += 64) {
+    const Chunk c = read_entry(entry);
+    fault_chunk = c.type;
+    fault_at = u64(entry - file);
+    for (const u8* e = first; e < entry; e += 64)
+      if (get32(e) == c.type) return bad("a chunk type occurs twice");
+    int known = kGrid;
+    while (known < kUnknown && kTypes[known] != c.type) ++known;
+    if (known == kUnknown && c.critical) return bad("unknown critical chunk");
+    if (known < kUnknown && c.critical != (known <= kMemb)) return bad("a chunk has the wrong critical flag");
+    if (known == kGrid && c.codec != 0) return bad("GRID is not raw");
+    if (known < kUnknown) chunks[known] = c;
+    MESOCELL_TRY(verify(c));
+  }
+  fault_chunk = 0;
   for (int required = kGrid; required <= kMemb; ++required)
-    if (chunks[required].type == 0) return invalid("a chunk is missing", 64);
-  // Once more over all entries: over a limit only if there is no fault in the directory.
-  for (u64 i = 0; i < count; ++i)
-    if (!charge(1, get64(file + 64 + 64 * i + 32))) return over_limit("the chunks decode to too many bytes");
+    if (!chunks[required].there) return invalid("a chunk is missing", u64(first - file));
+  budget = options.max_decoded_bytes;
+  for (const u8* entry = first; entry < end; entry += 64)
+    if (!charge(1, get64(entry + 32))) return over_limit("the chunks decode to too many bytes");
   return kMesocellOk;
 }
 
-MesocellStatus Loader::check_entry(const u8* entry, u64& expected) {
-  const u64 at = u64(entry - file);
-  const u32 flags = get32(entry + 4);
-  int known = kGrid;
-  while (known < kUnknown && kTypes[known] != get32(entry)) ++known;
-  chunk = &chunks[known];
-  chunks[known] = {get32(entry), get32(entry + 8), get64(entry + 16), get64(entry + 24), get64(entry + 32)};
-  if (flags > 1) return invalid("unknown chunk flags", at + 4);
-  if (chunk->codec > 1) return invalid("unknown codec", at + 8);
-  if (get32(entry + 12) != 0 || !all_zero(entry + 48, 16)) return invalid("reserved bytes are not zero", at);
-  if (chunk->offset != expected) return invalid("a chunk is not in its place", at + 16);
-  if (chunk->codec == 0 ? chunk->decoded != chunk->stored : chunk->decoded / 32768 > chunk->stored)
-    return invalid("a chunk cannot decode to so many bytes", at + 32);
-  if (chunk->offset > size || chunk->stored > size - chunk->offset)
-    return invalid("a chunk reaches beyond the file", at + 24);
-  const u64 end = chunk->offset + chunk->stored;
-  expected = round_up(end, 64);
-  if (expected > size) return invalid("a chunk's padding reaches beyond the file", at + 24);
-  if (!all_zero(file + end, expected - end)) return invalid("padding is not zero", end);
-  if (hash64(file + chunk->offset, chunk->stored) != get64(entry + 40)) return bad("a chunk is damaged");
-
-  // 4: the chunk types of a cell object
-  if (known == kUnknown && flags == 1) return invalid("unknown critical chunk", at);
-  if (known != kUnknown && (flags == 1) != (known <= kMemb))
-    return invalid("a chunk has the wrong critical flag", at + 4);
-  return kMesocellOk;
+// 3.4 and 3.5: hashes, block table, padding
+MesocellStatus Loader::verify(const Chunk& c) const {
+  const u8* stored = file + c.offset;
+  const u64 count = c.blocks();
+  if (count <= 1) {
+    if (hash64(stored, c.stored) != c.hash) return bad("a chunk is damaged");
+  } else {
+    if (hash64(stored, count * 16) != c.hash) return bad("a block table is damaged");
+    const u64 data_at = c.data_at(), room = c.stored - data_at;
+    if (!all_zero(stored + count * 16, data_at - count * 16)) return bad("padding is not zero");
+    u64 begin = 0;
+    for (u64 b = 0; b < count; ++b) {
+      const u64 end = get64(stored + 16 * b);
+      if (end < begin || end > room) return bad("a block is out of order or beyond its chunk");
+      MESOCELL_TRY(check_block(c, b, end - begin));
+      if (hash64(stored + data_at + begin, end - begin) != get64(stored + 16 * b + 8))
+        return bad("a block is damaged");
+      begin = end;
+    }
+    if (begin != room) return bad("a chunk goes on after its last block");
+  }
+  const u64 end = c.offset + c.stored;
+  return all_zero(file + end, round_up(end, 64) - end) ? kMesocellOk : bad("padding is not zero");
 }
 
-// 3.4: decodes chunk `index` to its decoded bytes at `to`; what follows is about that chunk
-MesocellStatus Loader::decode(int index, u8* to) {
-  chunk = &chunks[index];
-  const u8* from = file + chunk->offset;
-  if (chunk->codec == 0) {
-    if (chunk->stored > 0) std::memcpy(to, from, chunk->stored);
+// 3.6
+MesocellStatus Loader::decode_block(const u8* from, u64 stored, u8* to, u64 decoded) const {
+  if (stored == decoded) {
+    if (stored > 0) std::memcpy(to, from, size_t(stored));
     return kMesocellOk;
   }
   // A zstd frame's header is 6 to 14 bytes here; a frame that is shorter fails below.
-  u8 header[18] = {};
-  std::memcpy(header, from, chunk->stored < sizeof header ? chunk->stored : sizeof header);
-  const u32 descriptor = header[4], size_flag = descriptor >> 6;
+  u8 head[18] = {};
+  std::memcpy(head, from, size_t(stored < sizeof head ? stored : sizeof head));
+  const u32 descriptor = head[4], size_flag = descriptor >> 6;
   const bool single = (descriptor & 0x20) != 0;
-  if (get32(header) != 0xFD2FB528 || (descriptor & 0x0B) != 0 || (size_flag == 0 && !single))
+  if (get32(head) != 0xFD2FB528 || (descriptor & 0x0B) != 0 || (size_flag == 0 && !single))
     return bad("not a zstd frame of the allowed kind");
-  const u8* p = header + 5;
+  const u8* p = head + 5;
   u64 window = 0;
   if (!single) {
     window = u64(1) << (10 + (*p >> 3));
@@ -208,23 +326,52 @@ MesocellStatus Loader::decode(int index, u8* to) {
                       : size_flag == 2 ? get32(p)
                                        : get64(p);
   if (single) window = content;
-  if (content != chunk->decoded) return bad("a zstd frame has the wrong content size");
+  if (content != decoded) return bad("a zstd frame has the wrong content size");
   if (window > u64(1) << 23) return bad("a zstd frame needs too large a window");
-  if (ZSTD_findFrameCompressedSize(from, chunk->stored) != chunk->stored)
-    return bad("a zstd frame does not fill its chunk");
-  const size_t made = zstd ? ZSTD_decompressDCtx(zstd, to, chunk->decoded, from, chunk->stored)
-                           : ZSTD_decompress(to, chunk->decoded, from, chunk->stored);
-  if (made != chunk->decoded) return bad("a zstd frame does not decode");
+  if (ZSTD_findFrameCompressedSize(from, size_t(stored)) != stored)
+    return bad("a zstd frame does not fill its block");
+  if (ZSTD_decompressDCtx(zstd, to, size_t(decoded), from, size_t(stored)) != decoded)
+    return bad("a zstd frame does not decode");
+  return kMesocellOk;
+}
+
+// Decodes a chunk to `to`, or finds it in the file if `to` is null. What follows is about that chunk.
+MesocellStatus Loader::load_chunk(Chunk& c, u8* to) {
+  fault_chunk = c.type;
+  fault_at = c.offset;
+  const u8* from = file + c.offset + c.data_at();
+  c.bytes = to ? to : from;
+  const u64 count = to ? c.blocks() : 0;
+  u64 begin = 0;
+  for (u64 b = 0; b < count; ++b) {
+    const u64 end = count > 1 ? get64(file + c.offset + 16 * b) : c.stored;
+    MESOCELL_TRY(decode_block(from + begin, end - begin, to + b * c.block, c.block_size(b)));
+    begin = end;
+  }
   return kMesocellOk;
 }
 
 // ---- 4 Cell object
 
+// 2.6: a chunk's header has 64 bytes, those after its fields are zero
+MesocellStatus Loader::header(const Chunk& c, u64 fields) const {
+  if (c.decoded < 64) return bad("a chunk ends in its header");
+  return all_zero(c.bytes + fields, 64 - fields) ? kMesocellOk : bad("reserved bytes are not zero");
+}
+
+// 2.7
+MesocellStatus Loader::stated_error(const u8* bytes, float& error) const {
+  const u32 bits = get32(bytes);
+  std::memcpy(&error, &bits, sizeof error);
+  return bits < 0x7F800000 ? kMesocellOk : bad("a stated error is not a number of at least zero");
+}
+
 // 4.1
 MesocellStatus Loader::load_grid() {
-  u8 bytes[64];
-  if (chunks[kGrid].decoded != sizeof bytes) return invalid("GRID has not 64 bytes", 64);
-  MESOCELL_TRY(decode(kGrid, bytes));
+  MESOCELL_TRY(load_chunk(chunks[kGrid], nullptr));
+  if (chunks[kGrid].decoded != 64) return bad("GRID has not 64 bytes");
+  MESOCELL_TRY(header(chunks[kGrid], 44));
+  const u8* bytes = chunks[kGrid].bytes;
   object->voxel_edge = get_f64(bytes + 24);
   if (!std::isfinite(object->voxel_edge) || !(object->voxel_edge > 0)) return bad("bad voxel edge");
   u64 tiles = 1;
@@ -235,35 +382,82 @@ MesocellStatus Loader::load_grid() {
     if (!std::isfinite(object->box_min[a])) return bad("box_min is not finite");
     if (tiles < 1 || tiles > 0x7fffffff) return bad("bad number of tiles");
   }
-  if (!all_zero(bytes + 44, 20)) return bad("reserved bytes are not zero");
-  if (tiles > limits.max_tiles) return over_limit("too many tiles");
+  if (tiles > options.max_tiles) return over_limit("too many tiles");
   return kMesocellOk;
 }
 
+// The first voxel of each id, and kNone of those that no voxel has; false if one is too large.
+template <typename Id>
+bool find_first(const u8* ids, u64 voxels, u32 piece_count, u32* first) {
+  const u64 repeat = sizeof(Id) == 1 ? 0x0101010101010101 : sizeof(Id) == 2 ? 0x0001000100010001 : 0x100000001;
+  const u64 step = 8 / sizeof(Id);
+  u64 last = 0, v = 0;
+  const auto visit = [&] {
+    u64 id = 0;
+    for (u32 i = 0; i < sizeof(Id); ++i) id |= u64(ids[v * sizeof(Id) + i]) << (8 * i);
+    if (id > piece_count) return false;
+    if (first[id] == kNone) first[id] = u32(v);
+    last = id;
+    ++v;
+    return true;
+  };
+  if (voxels > 0 && !visit()) return false;
+  while (v < voxels) {
+    // Most voxels have the id of the one before.
+    while (voxels - v >= step && get64(ids + v * sizeof(Id)) == last * repeat) v += step;
+    for (u64 end = voxels - v >= step ? v + step : voxels; v < end;)
+      if (!visit()) return false;
+  }
+  return true;
+}
+
 // 4.2. `first` has room for one number a piece and one more.
-MesocellStatus Loader::load_tile(const u8* bytes, u32* first) {
+MesocellStatus Loader::load_tile(const Chunk& c, u32* first) {
   MesocellObject& o = *object;
-  if (chunk->decoded < 24) return bad("TILE ends early");
+  MESOCELL_TRY(header(c, 24));
   u64 voxels = 1;
   for (int a = 0; a < 3; ++a) {
-    o.resolution[a] = get32(bytes + 4 * a);
+    o.resolution[a] = get32(c.bytes + 4 * a);
     if (o.resolution[a] < 4 || o.resolution[a] > 1024) return bad("bad tile resolution");
     voxels *= o.resolution[a];
   }
-  o.cell_count = get32(bytes + 12);
-  o.piece_count = get32(bytes + 16);
-  o.id_bytes = get32(bytes + 20);
+  o.cell_count = get32(c.bytes + 12);
+  o.piece_count = get32(c.bytes + 16);
+  o.id_bytes = get32(c.bytes + 20);
   if (o.cell_count < 1 || o.cell_count > 65535) return bad("bad number of cells");
   if (o.piece_count < o.cell_count || o.piece_count > voxels) return bad("bad number of pieces");
   if (o.id_bytes != (o.piece_count <= 255 ? 1u : o.piece_count <= 65535 ? 2u : 4u))
     return bad("bad size of piece ids");
-  const u64 ids_at = 24 + u64(o.piece_count) * 8;
-  if (chunk->decoded != ids_at + voxels * o.id_bytes) return bad("TILE has not the size that it should");
+  const u64 pieces_end = 64 + u64(o.piece_count) * 8, ids_at = round_up(pieces_end, 64);
+  if (c.decoded != ids_at + voxels * o.id_bytes) return bad("TILE has not the size that it should");
+  if (!all_zero(c.bytes + pieces_end, ids_at - pieces_end)) return bad("bytes between parts are not zero");
   if (!charge(u64(o.piece_count) + 1, 10) || !charge(voxels, o.id_bytes))
     return over_limit("the tile is too large");
-  o.pieces = bytes + 24;
-  o.voxel_ids = bytes + ids_at;
+  o.pieces = c.bytes + 64;
+  o.voxel_ids = c.bytes + ids_at;
+  MESOCELL_TRY(check_pieces());
 
+  for (u64 id = 0; id <= o.piece_count; ++id) first[id] = kNone;
+  if (!(o.id_bytes == 1   ? find_first<uint8_t>(o.voxel_ids, voxels, o.piece_count, first)
+        : o.id_bytes == 2 ? find_first<uint16_t>(o.voxel_ids, voxels, o.piece_count, first)
+                          : find_first<uint32_t>(o.voxel_ids, voxels, o.piece_count, first)))
+    return bad("a voxel is of no piece");
+  for (u32 id = 1; id <= o.piece_count; ++id)
+    if (first[id] == kNone) return bad("a piece has no voxel");
+  MESOCELL_TRY(check_homes(first));
+
+  for (int a = 0; a < 3; ++a) {  // 4.1, with the resolution
+    const u64 along = u64(o.tiles[a]) * o.resolution[a];
+    if (along > u64(1) << 30) return bad("an axis has too many voxels");
+    o.box_max[a] = o.box_min[a] + double(along) * o.voxel_edge;
+    if (!std::isfinite(o.box_max[a]) || !(o.box_max[a] > o.box_min[a]))
+      return bad("the box is not finite or has no extent");
+  }
+  return kMesocellOk;
+}
+
+MesocellStatus Loader::check_pieces() const {
+  const MesocellObject& o = *object;
   u32 last_cell = 0;
   int last_home[3] = {};
   for (u32 id = 1; id <= o.piece_count; ++id) {
@@ -281,26 +475,7 @@ MesocellStatus Loader::load_tile(const u8* bytes, u32* first) {
     last_cell = cell;
     std::memcpy(last_home, home, sizeof home);
   }
-  if (last_cell != o.cell_count) return bad("a cell has no piece");
-
-  for (u64 id = 0; id <= o.piece_count; ++id) first[id] = kNone;
-  for (u64 v = 0; v < voxels; ++v) {
-    const u32 id = mesocell_voxel_id(&o, v);
-    if (id > o.piece_count) return bad("a voxel is of no piece");
-    if (first[id] == kNone) first[id] = u32(v);
-  }
-  for (u32 id = 1; id <= o.piece_count; ++id)
-    if (first[id] == kNone) return bad("a piece has no voxel");
-  MESOCELL_TRY(check_homes(first));
-
-  for (int a = 0; a < 3; ++a) {  // 4.1, with the resolution
-    const u64 along = u64(o.tiles[a]) * o.resolution[a];
-    if (along > u64(1) << 30) return bad("an axis has too many voxels");
-    o.box_max[a] = o.box_min[a] + double(along) * o.voxel_edge;
-    if (!std::isfinite(o.box_max[a]) || !(o.box_max[a] > o.box_min[a]))
-      return bad("the box is not finite or has no extent");
-  }
-  return kMesocellOk;
+  return last_cell == o.cell_count ? kMesocellOk : bad("a cell has no piece");
 }
 
 // 4.2, home rule: of each cell, the first voxel has home (0,0,0)
@@ -328,125 +503,138 @@ MesocellStatus Loader::check_homes(const u32* first) const {
 }
 
 // 4.3. `entries` has room for one number a tile.
-MesocellStatus Loader::load_membership(const u8* bytes, u32* entries) {
+MesocellStatus Loader::load_membership(const Chunk& c, u32* entries) {
   MesocellObject& o = *object;
-  if (chunk->decoded < 40) return bad("MEMB ends early");
-  o.rule = get32(bytes);
-  o.inside = get64(bytes + 8);
-  o.outside = get64(bytes + 16);
-  o.intersected = get64(bytes + 24);
-  const u64 run_count = get32(bytes + 32);
-  o.mixed_count = get32(bytes + 36);
-  o.block_bytes = (o.cell_count + 3) / 4;
+  MESOCELL_TRY(header(c, 36));
+  o.rule = get32(c.bytes);
+  o.inside = get64(c.bytes + 8);
+  o.outside = get64(c.bytes + 16);
+  o.intersected = get64(c.bytes + 24);
+  o.mixed_count = get32(c.bytes + 32);
+  o.tag_bytes = (o.cell_count + 3) / 4;
   if (o.rule > 1) return bad("unknown membership rule");
-  if (get32(bytes + 4) != o.cell_count) return bad("MEMB and TILE differ in the number of cells");
-  const u64 tags_at = 40 + run_count * 4;
-  if (chunk->decoded != tags_at + u64(o.mixed_count) * o.block_bytes)
+  if (get32(c.bytes + 4) != o.cell_count) return bad("MEMB and TILE differ in the number of cells");
+  const u64 tile_count = u64(o.tiles[0]) * o.tiles[1] * o.tiles[2];
+  const u64 states_end = 64 + (tile_count + 3) / 4, ranks_at = round_up(states_end, 64);
+  const u64 ranks_end = ranks_at + (tile_count + 4095) / 4096 * 4, tags_at = round_up(ranks_end, 64);
+  if (c.decoded != tags_at + u64(o.mixed_count) * o.tag_bytes)
     return bad("MEMB has not the size that it should");
-  o.tags = bytes + tags_at;
+  if (!all_zero(c.bytes + states_end, ranks_at - states_end) ||
+      !all_zero(c.bytes + ranks_end, tags_at - ranks_end))
+    return bad("bytes between parts are not zero");
+  if (!charge(tile_count, 4) || !charge(o.mixed_count, o.tag_bytes)) return over_limit("too many tiles");
+  o.tags = c.bytes + tags_at;
   o.entries = entries;
 
-  const u64 tile_count = u64(o.tiles[0]) * o.tiles[1] * o.tiles[2];
-  if (!charge(tile_count, 4) || !charge(o.mixed_count, o.block_bytes)) return over_limit("too many tiles");
-  u64 counts[4] = {};  // instances by tag; 3 counts the faulty ones
-  u64 tile = 0;
+  u64 counts[4] = {};  // tiles, then instances, by state
   u32 mixed = 0;
-  for (u64 i = 0; i < run_count; ++i) {
-    const u32 run = get32(bytes + 40 + 4 * i), state = run & 3, length = run >> 2;
-    const u32 previous = i > 0 ? get32(bytes + 36 + 4 * i) : 0;
-    if (length < 1) return bad("an empty run");
-    if (i > 0 && (previous & 3) == state && previous >> 2 != 0x3fffffff)
-      return bad("two runs that should be one");
-    if (length > tile_count - tile) return bad("runs cover too many tiles");
-    if (state == 3 && length > o.mixed_count - mixed) return bad("too many mixed tiles");
-    for (u32 k = 0; k < length; ++k) entries[tile++] = state == 3 ? 3 + mixed++ : state;
-    if (state != 3) counts[state] += u64(length) * o.cell_count;
-  }
-  if (tile != tile_count) return bad("runs cover too few tiles");
-  if (mixed != o.mixed_count) return bad("too few mixed tiles");
-
-  for (u64 m = 0; m < o.mixed_count; ++m) {
-    const u8* block = o.tags + m * o.block_bytes;
-    u32 here[4] = {};
-    for (u32 cell = 0; cell < o.cell_count; ++cell) ++here[block[cell / 4] >> 2 * (cell % 4) & 3];
-    for (u32 cell = o.cell_count; cell < o.block_bytes * 4; ++cell)
-      if ((block[cell / 4] >> 2 * (cell % 4) & 3) != 0) return bad("unused bits are not zero");
-    for (int tag = 0; tag < 3; ++tag) {
-      if (here[tag] == o.cell_count) return bad("a mixed tile is uniform");
-      counts[tag] += here[tag];
+  for (u64 tile = 0; tile < tile_count;) {
+    if (tile % 4096 == 0 && get32(c.bytes + ranks_at + tile / 1024) != mixed) return bad("a wrong rank");
+    u32 four = c.bytes[64 + tile / 4];
+    if (tile_count - tile >= 4 && four % 0x55 == 0 && four != 0xFF) {  // all alike, the most frequent case
+      const u32 state = four & 3;
+      for (int k = 0; k < 4; ++k) entries[tile++] = state;
+      counts[state] += 4;
+      continue;
     }
-    if (here[3] != 0) return bad("a tag has the code 3");
+    for (int k = 0; k < 4 && tile < tile_count; ++k, four >>= 2) {
+      const u32 state = four & 3;
+      entries[tile++] = state == 3 ? 3 + mixed++ : state;
+      ++counts[state];
+    }
+    if (four != 0) return bad("bits after the last state are not zero");
   }
+  if (mixed != o.mixed_count) return bad("a wrong number of mixed tiles");
+  counts[3] = 0;
+  for (int tag = 0; tag < 3; ++tag) counts[tag] *= o.cell_count;
+  MESOCELL_TRY(check_tags(counts));
   if (counts[0] != o.outside || counts[1] != o.inside || counts[2] != o.intersected)
     return bad("wrong numbers of instances");
   return kMesocellOk;
 }
 
-// 4.4
-bool is_utf8(const u8* p, u64 size) {
-  for (u64 i = 0; i < size;) {
-    const u32 lead = p[i++];
-    if (lead < 0x80) continue;
-    const u32 more = lead >= 0xF0 ? 3 : lead >= 0xE0 ? 2 : 1;
-    if (lead < 0xC0 || lead > 0xF7 || more > size - i) return false;
-    u32 point = lead & (0x3Fu >> more);
-    for (u32 k = 0; k < more; ++k, ++i) {
-      if ((p[i] & 0xC0) != 0x80) return false;
-      point = point << 6 | (p[i] & 0x3F);
-    }
-    static const u32 least[4] = {0, 0x80, 0x800, 0x10000};
-    if (point < least[more] || point > 0x10FFFF || (point >= 0xD800 && point <= 0xDFFF)) return false;
-  }
-  return true;
+u32 bit_count(u32 byte) {
+  byte -= byte >> 1 & 0x55;
+  byte = (byte & 0x33) + (byte >> 2 & 0x33);
+  return (byte + (byte >> 4)) & 0x0F;
 }
 
-MesocellStatus Loader::load_text(const u8* bytes) {
-  if (chunk->decoded < 4) return bad("TEXT ends early");
+// The tags of the mixed tiles, and adds how many instances have each.
+MesocellStatus Loader::check_tags(u64 counts[4]) const {
+  const MesocellObject& o = *object;
+  const u32 in_last = (o.cell_count - 1) % 4 + 1, unused = 0xFFu << (2 * in_last) & 0xFF;
+  for (u64 m = 0; m < o.mixed_count; ++m) {
+    const u8* tags = o.tags + m * o.tag_bytes;
+    u32 inside = 0, intersected = 0, both = 0;
+    for (u32 i = 0; i < o.tag_bytes; ++i) {
+      inside += bit_count(tags[i] & 0x55u);
+      intersected += bit_count(tags[i] & 0xAAu);
+      both |= tags[i] & tags[i] >> 1 & 0x55u;
+    }
+    if ((tags[o.tag_bytes - 1] & unused) != 0) return bad("unused bits are not zero");
+    if (both != 0) return bad("a tag has the code 3");
+    const u32 outside = o.cell_count - inside - intersected;
+    if (inside == o.cell_count || outside == o.cell_count || intersected == o.cell_count)
+      return bad("a mixed tile is uniform");
+    counts[0] += outside;
+    counts[1] += inside;
+    counts[2] += intersected;
+  }
+  return kMesocellOk;
+}
+
+// 4.4
+MesocellStatus Loader::load_text(const Chunk& c) {
+  const u8* bytes = c.bytes;
+  if (c.decoded < 4) return bad("TEXT ends early");
   object->text_count = get32(bytes);
   object->text = bytes + 4;
-  object->text_bytes = chunk->decoded - 4;
+  object->text_bytes = c.decoded - 4;
   const u8* last_key = nullptr;
   u64 last_bytes = 0;
   u64 at = 4;
   for (u64 i = 0; i < object->text_count; ++i) {
-    if (chunk->decoded - at < 8) return bad("TEXT ends early");
+    if (c.decoded - at < 8) return bad("TEXT ends early");
     const u64 key_bytes = get32(bytes + at), value_bytes = get32(bytes + at + 4);
     at += 8;
-    if (key_bytes + value_bytes > chunk->decoded - at) return bad("TEXT ends early");
+    if (key_bytes + value_bytes > c.decoded - at) return bad("TEXT ends early");
     if (!charge(1, 64 + key_bytes + value_bytes)) return over_limit("too much text");
     const u8* key = bytes + at;
-    if (key_bytes < 1 || key_bytes > 256 || std::memchr(key, 0, key_bytes)) return bad("a bad key");
+    if (key_bytes < 1 || key_bytes > 256 || std::memchr(key, 0, size_t(key_bytes))) return bad("a bad key");
     if (!is_utf8(key, key_bytes) || !is_utf8(key + key_bytes, value_bytes)) return bad("not UTF-8");
     if (last_key) {
-      const int order = std::memcmp(last_key, key, last_bytes < key_bytes ? last_bytes : key_bytes);
+      const u64 shorter = last_bytes < key_bytes ? last_bytes : key_bytes;
+      const int order = std::memcmp(last_key, key, size_t(shorter));
       if (order > 0 || (order == 0 && last_bytes >= key_bytes)) return bad("keys are not ascending");
     }
     last_key = key;
     last_bytes = key_bytes;
     at += key_bytes + value_bytes;
   }
-  return at == chunk->decoded ? kMesocellOk : bad("TEXT goes on after its last entry");
+  return at == c.decoded ? kMesocellOk : bad("TEXT goes on after its last entry");
 }
 
 // 4.5
-MesocellStatus Loader::load_color(const u8* bytes) {
-  if (chunk->decoded < 16) return bad("COLR ends early");
+MesocellStatus Loader::load_color(const Chunk& c) {
+  MESOCELL_TRY(header(c, 16));
   u64 voxels = 1;
   for (int a = 0; a < 3; ++a) {
-    const u32 r = object->color_resolution[a] = get32(bytes + 4 * a);
+    const u32 r = object->color_resolution[a] = get32(c.bytes + 4 * a);
     if (r < 1 || r > 1024) return bad("bad color resolution");
     voxels *= r;
   }
-  if (!all_zero(bytes + 12, 4)) return bad("reserved bytes are not zero");
-  if (chunk->decoded != 16 + voxels * 3) return bad("COLR has not the size that it should");
-  object->color = bytes + 16;
+  MESOCELL_TRY(stated_error(c.bytes + 12, object->color_error));
+  if (c.decoded != 64 + voxels * 3) return bad("COLR has not the size that it should");
+  object->color = c.bytes + 64;
   return charge(voxels, 3) ? kMesocellOk : over_limit("too many colors");
 }
 
 // 4.6 and 4.7
-MesocellStatus Loader::load_colors(const u8* bytes, u64 count, const uint8_t*& colors) {
-  if (chunk->decoded != count * 3) return bad("a chunk has not as many colors as it should");
-  colors = bytes;
+MesocellStatus Loader::load_colors(const Chunk& c, u64 count, const uint8_t*& colors, float& error) {
+  MESOCELL_TRY(header(c, 4));
+  MESOCELL_TRY(stated_error(c.bytes, error));
+  if (c.decoded != 64 + count * 3) return bad("a chunk has not as many colors as it should");
+  colors = c.bytes + 64;
   return charge(count, 3) ? kMesocellOk : over_limit("too many colors");
 }
 
@@ -501,59 +689,79 @@ u64 Loader::count_boundary() const {
   return count;
 }
 
-MesocellStatus Loader::load_normals(const u8* bytes) {
-  if (!charge(u64(object->resolution[0]) * object->resolution[1], 8) || !charge(chunk->decoded, 1))
+MesocellStatus Loader::load_normals(const Chunk& c) {
+  MESOCELL_TRY(header(c, 8));
+  if (get32(c.bytes) != 0) return bad("unknown encoding of normals");
+  MESOCELL_TRY(stated_error(c.bytes + 4, object->normal_error));
+  const u64 bytes = c.decoded - 64;
+  if (!charge(u64(object->resolution[0]) * object->resolution[1], 8) || !charge(bytes, 1))
     return over_limit("too many normals");
-  for (u64 i = 0; i < chunk->decoded; ++i)
-    if (bytes[i] > 252) return bad("a byte of a normal is above 252");
-  object->normals = bytes;
+  object->normals = c.bytes + 64;
+  u32 too_large = 0;
+  for (u64 i = 0; i < bytes; ++i) too_large |= object->normals[i] > 252;
+  if (too_large != 0) return bad("a byte of a normal is above 252");
   object->normal_count = count_boundary();
-  if (chunk->decoded != object->normal_count * 2) return bad("NORM has not one normal a boundary voxel");
+  if (bytes != object->normal_count * 2) return bad("NORM has not one normal a boundary voxel");
   return kMesocellOk;
 }
 
 // ---- The arena: decoder, chunks but GRID, and a block that first serves TILE and then holds the entries
 
 struct Layout {
-  u64 at[kUnknown] = {}, block = 0, total = 0;  // by kTypes; the decoder is at 0 and ends at at[kTile]
+  u64 at[kUnknown] = {}, decoder = 0, block = 0, total = 0;  // by kTypes; the decoder is at 0
 };
 
-// False if the arena would not fit in the address space. `tile_count` is 0 while GRID has not been read.
+// False if the arena would not fit in the address space.
 bool lay_out(const Loader& loader, Layout& layout) {
-  bool compressed = false;
-  for (const Chunk& chunk : loader.chunks) {
-    compressed |= chunk.codec == 1;
-    if (chunk.decoded > u64(1) << 60) return false;  // so that no sum below overflows
-  }
   const MesocellObject& o = *loader.object;
+  for (const Chunk& c : loader.chunks) {
+    if (c.there && c.codec != 0) layout.decoder = round_up(ZSTD_estimateDCtxSize(), 64);
+    if (c.decoded > u64(1) << 60) return false;  // so that no sum below overflows
+  }
   const u64 tile_count = u64(o.tiles[0]) * o.tiles[1] * o.tiles[2];
   // A piece has 8 bytes of its own and a voxel of at least one byte.
   const u64 most_pieces = loader.chunks[kTile].decoded / 9;
-  layout.block = compressed ? round_up(ZSTD_estimateDCtxSize(), 8) : 0;
+  layout.block = layout.decoder;
   for (int i = kTile; i < kUnknown; ++i) {
+    const Chunk& c = loader.chunks[i];
+    if (!c.there || (c.codec == 0 && loader.options.in_place != 0)) continue;
     layout.at[i] = layout.block;
-    layout.block += round_up(loader.chunks[i].decoded, 8);
+    layout.block += round_up(c.decoded, 64);
   }
   layout.total = layout.block + 4 * (tile_count > most_pieces ? tile_count : most_pieces + 1);
   return layout.total <= SIZE_MAX;
 }
 
-Loader begin(const void* file, size_t file_bytes, const MesocellLimits* limits, MesocellFault* fault) {
-  const MesocellLimits defaults = {u64(1) << 32, u64(1) << 33, u64(1) << 28};
-  Loader loader{static_cast<const u8*>(file), file_bytes, limits ? *limits : defaults, fault};
+Loader begin(const void* file, size_t file_bytes, const MesocellOptions* options, MesocellFault* fault) {
+  const MesocellOptions defaults = {u64(1) << 32, u64(1) << 33, u64(1) << 28, 0};
   if (fault) *fault = {nullptr, 0, 0};
-  return loader;
+  return Loader{static_cast<const u8*>(file), file_bytes, options ? *options : defaults, fault};
 }
 
 }  // namespace
 
-MesocellStatus mesocell_arena_bytes(const void* file, size_t file_bytes, const MesocellLimits* limits,
-                                    size_t* arena_bytes, MesocellFault* fault) {
+MesocellStatus mesocell_open(const void* file, size_t file_bytes, const MesocellOptions* options,
+                             MesocellFile* info, MesocellFault* fault) {
+  Loader loader = begin(file, file_bytes, options, fault);
+  MESOCELL_TRY(loader.open());
+  *info = {1, uint16_t(loader.minor), loader.asset_count};
+  return kMesocellOk;
+}
+
+void mesocell_asset_name(const void* file, uint32_t asset, char name[41]) {
+  std::memcpy(name, static_cast<const u8*>(file) + 64 + 64 * u64(asset) + 16, 40);
+  name[40] = 0;
+}
+
+MesocellStatus mesocell_arena_bytes(const void* file, size_t file_bytes, uint32_t asset,
+                                    const MesocellOptions* options, size_t* arena_bytes,
+                                    MesocellFault* fault) {
   MesocellObject object = {};
   Layout layout;
-  Loader loader = begin(file, file_bytes, limits, fault);
+  Loader loader = begin(file, file_bytes, options, fault);
   loader.object = &object;
-  MESOCELL_TRY(loader.check_container());
+  MESOCELL_TRY(loader.open());
+  MESOCELL_TRY(loader.find_chunks(asset));
   MESOCELL_TRY(loader.load_grid());
   // What mesocell_load() takes from the budget last: an arena over the limit is not even asked for.
   if (!loader.charge(u64(object.tiles[0]) * object.tiles[1] * object.tiles[2], 4))
@@ -563,33 +771,35 @@ MesocellStatus mesocell_arena_bytes(const void* file, size_t file_bytes, const M
   return kMesocellOk;
 }
 
-MesocellStatus mesocell_load(const void* file, size_t file_bytes, const MesocellLimits* limits, void* arena,
-                             size_t arena_bytes, MesocellObject* object, MesocellFault* fault) {
+MesocellStatus mesocell_load(const void* file, size_t file_bytes, uint32_t asset,
+                             const MesocellOptions* options, void* arena, size_t arena_bytes,
+                             MesocellObject* object, MesocellFault* fault) {
   *object = {};
   Layout layout;
-  Loader loader = begin(file, file_bytes, limits, fault);
+  Loader loader = begin(file, file_bytes, options, fault);
   loader.object = object;
-  u8* const base = static_cast<u8*>(arena);
-  MESOCELL_TRY(loader.check_container());
-  // Without GRID the arena's end is not known, but the decoder's is.
-  if (lay_out(loader, layout) && layout.at[kTile] > 0 && layout.at[kTile] <= arena_bytes)
-    loader.zstd = ZSTD_initStaticDCtx(base, size_t(layout.at[kTile]));
+  MESOCELL_TRY(loader.open());
+  MESOCELL_TRY(loader.find_chunks(asset));
   MESOCELL_TRY(loader.load_grid());
   if (!lay_out(loader, layout)) return loader.over_limit("more than the address space");
   if (layout.total > arena_bytes) return loader.fail(kMesocellArenaTooSmall, "the arena is too small", 0);
 
+  u8* const base = static_cast<u8*>(arena);
+  if (layout.decoder > 0) loader.zstd = ZSTD_initStaticDCtx(base, size_t(layout.decoder));
   u32* const block = reinterpret_cast<u32*>(base + layout.block);
   for (int i = kTile; i < kUnknown; ++i) {
-    if (loader.chunks[i].type == 0) continue;
-    u8* const bytes = base + layout.at[i];
-    MESOCELL_TRY(loader.decode(i, bytes));
-    MESOCELL_TRY(i == kTile   ? loader.load_tile(bytes, block)
-                 : i == kMemb ? loader.load_membership(bytes, block)
-                 : i == kColr ? loader.load_color(bytes)
-                 : i == kCcol ? loader.load_colors(bytes, object->cell_count, object->cell_colors)
-                 : i == kIcol ? loader.load_colors(bytes, object->inside, object->instance_colors)
-                 : i == kNorm ? loader.load_normals(bytes)
-                              : loader.load_text(bytes));
+    Chunk& c = loader.chunks[i];
+    if (!c.there) continue;
+    MESOCELL_TRY(loader.load_chunk(c, c.codec == 0 && loader.options.in_place ? nullptr : base + layout.at[i]));
+    MESOCELL_TRY(i == kTile   ? loader.load_tile(c, block)
+                 : i == kMemb ? loader.load_membership(c, block)
+                 : i == kColr ? loader.load_color(c)
+                 : i == kCcol ? loader.load_colors(c, object->cell_count, object->cell_colors,
+                                                   object->cell_color_error)
+                 : i == kIcol ? loader.load_colors(c, object->inside, object->instance_colors,
+                                                   object->instance_color_error)
+                 : i == kNorm ? loader.load_normals(c)
+                              : loader.load_text(c));
   }
   return kMesocellOk;
 }

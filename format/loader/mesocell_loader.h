@@ -1,19 +1,19 @@
 #ifndef MESOCELL_LOADER_H
 #define MESOCELL_LOADER_H
 
-/* The compact reference loader of .meso files, version 0.9: this header, mesocell_loader.cpp and zstd are all
- * that an engine needs. It is written in the order of spec/mesocell-0.9.md, in C++17 without exceptions and
- * RTTI, is callable from C, and accepts exactly the files that the spec calls valid.
+/* The compact reference loader of .meso files, version 1: this header, mesocell_loader.cpp and zstd are all
+ * that an engine needs. It is written in the order of spec/mesocell-1.0.md, in C++17 without exceptions and
+ * RTTI, is callable from C, and accepts exactly the assets that the spec calls valid.
  *
  * Untrusted input: safe. Nothing is read outside the file or written outside the arena; sizes are checked
- * against the file and the caller's limits before they are used. No global state: any thread, any number at
- * once.
+ * against the file and the caller's limits before they are used. It allocates nothing and has no global state:
+ * any thread, any number at once.
  *
  *   size_t need;
- *   if (mesocell_arena_bytes(file, size, NULL, &need, &fault) != kMesocellOk) ...
+ *   if (mesocell_arena_bytes(file, size, 0, NULL, &need, &fault) != kMesocellOk) ...
  *   void* arena = malloc(need);
  *   MesocellObject object;
- *   if (mesocell_load(file, size, NULL, arena, need, &object, &fault) != kMesocellOk) ...
+ *   if (mesocell_load(file, size, 0, NULL, arena, need, &object, &fault) != kMesocellOk) ...
  */
 
 #include <stddef.h>
@@ -28,14 +28,18 @@ typedef enum MesocellStatus {
   kMesocellInvalid = 1,       /* the file breaks a rule of the format, or is of another version */
   kMesocellLimit = 2,         /* well-formed so far, but over a limit or the machine's address space */
   kMesocellArenaTooSmall = 3, /* the arena has fewer bytes than mesocell_arena_bytes() said */
+  kMesocellNoSuchAsset = 4,   /* the file has fewer assets */
 } MesocellStatus;
 
 /* The limits' meaning is in section 6 of the spec. */
-typedef struct MesocellLimits {
+typedef struct MesocellOptions {
   uint64_t max_file_bytes;    /* default 2^32 */
-  uint64_t max_decoded_bytes; /* default 2^33 */
+  uint64_t max_decoded_bytes; /* of one asset; default 2^33 */
   uint64_t max_tiles;         /* default 2^28 */
-} MesocellLimits;
+  /* Not 0: raw chunks are used where they are in the file, which must then stay as it is while the object is
+   * used, as in a memory map; they take no room in the arena. Default 0. */
+  int in_place;
+} MesocellOptions;
 
 typedef struct MesocellFault {
   const char* text; /* what is wrong, a static string; NULL if nothing is */
@@ -43,7 +47,14 @@ typedef struct MesocellFault {
   uint32_t chunk;   /* four-character code, 0 outside chunks */
 } MesocellFault;
 
-/* A cell object. Pointers lead into the arena. Arrays over tiles and voxels are x fastest, then y, then z. */
+/* What header and asset table say. */
+typedef struct MesocellFile {
+  uint16_t major, minor;
+  uint32_t asset_count;
+} MesocellFile;
+
+/* A cell object. Pointers lead into the arena, or into the file if that was asked for. Arrays over tiles and
+ * voxels are x fastest, then y, then z. */
 typedef struct MesocellObject {
   double box_min[3], box_max[3]; /* metres */
   double voxel_edge;             /* metres */
@@ -52,20 +63,22 @@ typedef struct MesocellObject {
   uint32_t resolution[3]; /* voxels of the tile */
   uint32_t cell_count, piece_count, id_bytes;
   const uint8_t* pieces; /* 8 bytes each as in the file: cell u16, home i8[3]; piece id k is number k - 1 */
-  const uint8_t* voxel_ids; /* id_bytes each, little-endian, 0 where empty; aligned to 8 */
+  const uint8_t* voxel_ids; /* id_bytes each, little-endian, 0 where empty; as aligned as the arena, up to 64 */
 
   uint32_t rule; /* 0 centre, 1 conservative */
   uint64_t inside, outside, intersected;
   const uint32_t*
       entries;         /* one a tile: 0 outside, 1 inside, 2 intersected, else 3 + number of a mixed tile */
-  const uint8_t* tags; /* mixed_count × block_bytes; cell c at bits 2·((c-1) mod 4) of byte (c-1) / 4 */
-  uint32_t mixed_count, block_bytes;
+  const uint8_t* tags; /* mixed_count × tag_bytes; cell c at bits 2·((c-1) mod 4) of byte (c-1) / 4 */
+  uint32_t mixed_count, tag_bytes;
 
   /* sRGB, three bytes a color; NULL where the file has none, which stands for white */
   uint32_t color_resolution[3];   /* of `color`, 0 if there is none */
   const uint8_t* color;           /* a solid texture of the tile, x fastest */
   const uint8_t* cell_colors;     /* one a cell */
   const uint8_t* instance_colors; /* one an INSIDE instance, by home tile, then cell */
+  /* stated errors of these three, in steps of 1/255, and of the normals in degrees */
+  float color_error, cell_color_error, instance_color_error, normal_error;
 
   const uint8_t* normals; /* two bytes a boundary voxel, in storage order; NULL if there are none */
   uint64_t normal_count;
@@ -75,16 +88,24 @@ typedef struct MesocellObject {
   uint64_t text_bytes;
 } MesocellObject;
 
-/* How many bytes of arena the file needs. Looks at header, directory, layout and GRID; decodes nothing else.
- * `limits` may be NULL for the defaults, `fault` may be NULL. Allocates nothing, but zstd a context if GRID
- * is compressed. */
-MesocellStatus mesocell_arena_bytes(const void* file, size_t file_bytes, const MesocellLimits* limits,
-                                    size_t* arena_bytes, MesocellFault* fault);
+/* Checks header, asset table and directory. `options` may be NULL for the defaults, `fault` may be NULL; so
+ * below. */
+MesocellStatus mesocell_open(const void* file, size_t file_bytes, const MesocellOptions* options,
+                             MesocellFile* info, MesocellFault* fault);
 
-/* Checks the whole file and loads it into the arena, which must be aligned to 8 bytes. Allocates nothing. The
- * file is not referred to afterwards. On failure `object` and arena are unspecified. */
-MesocellStatus mesocell_load(const void* file, size_t file_bytes, const MesocellLimits* limits, void* arena,
-                             size_t arena_bytes, MesocellObject* object, MesocellFault* fault);
+/* The name of an asset of a file that mesocell_open() found right, UTF-8, with a zero after it. */
+void mesocell_asset_name(const void* file, uint32_t asset, char name[41]);
+
+/* How many bytes of arena an asset (from 0) needs. Looks at header, asset table, directory and GRID. */
+MesocellStatus mesocell_arena_bytes(const void* file, size_t file_bytes, uint32_t asset,
+                                    const MesocellOptions* options, size_t* arena_bytes,
+                                    MesocellFault* fault);
+
+/* Checks one asset whole and loads it into the arena, which must be aligned to 8 bytes. The file is not
+ * referred to afterwards, but in place. On failure `object` and arena are unspecified. */
+MesocellStatus mesocell_load(const void* file, size_t file_bytes, uint32_t asset,
+                             const MesocellOptions* options, void* arena, size_t arena_bytes,
+                             MesocellObject* object, MesocellFault* fault);
 
 /* Piece id of voxel `i` of the tile, 0 where empty. */
 static inline uint32_t mesocell_voxel_id(const MesocellObject* object, uint64_t i) {
@@ -106,7 +127,7 @@ static inline uint32_t mesocell_piece(const MesocellObject* object, uint32_t id,
 static inline uint32_t mesocell_tag(const MesocellObject* object, uint64_t tile, uint32_t cell) {
   const uint32_t entry = object->entries[tile];
   if (entry < 3) return entry;
-  return object->tags[(uint64_t)(entry - 3) * object->block_bytes + (cell - 1) / 4] >> 2 * ((cell - 1) % 4) &
+  return object->tags[(uint64_t)(entry - 3) * object->tag_bytes + (cell - 1) / 4] >> 2 * ((cell - 1) % 4) &
          3u;
 }
 

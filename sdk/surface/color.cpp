@@ -82,7 +82,8 @@ Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count, const
     constexpr std::string_view names[] = {"seed"};
     if (const Status status = check_options(recipe, "color", names); !status) return status.error();
     Rng rng(*seed);
-    for (std::uint32_t c = 0; c < cell_count; ++c) colors.cells.push_back(random_color(rng));
+    ColorList& cells = colors.cells.emplace();
+    for (std::uint32_t c = 0; c < cell_count; ++c) cells.colors.push_back(random_color(rng));
     return colors;
   }
   if (recipe.name == "mesh") {
@@ -115,11 +116,11 @@ Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count, const
 
 Status apply_colors(Colors colors, const TriangleMesh& mesh, CellObject& object, unsigned threads,
                     const Progress* progress) {
-  std::vector<Rgb8> instances;
+  std::optional<ColorList> instances;
   if (colors.of_mesh) {
     Result<std::vector<Rgb8>> made = make_instance_colors(object, mesh, threads, progress);
     if (!made) return made.error();
-    instances = std::move(*made);
+    instances = ColorList{std::move(*made)};
   }
   object.color = std::move(colors.map);
   object.cell_colors = std::move(colors.cells);

@@ -18,7 +18,7 @@ namespace mesocell MESOCELL_API {
 /// of the basic mesh, which make_instance_colors() finds once the object is there.
 struct Colors {
   std::optional<ColorMap> map;
-  std::vector<Rgb8> cells;
+  std::optional<ColorList> cells;
   bool of_mesh = false;
 };
 

@@ -24,8 +24,8 @@ CellScene::CellScene(const CellObject& object)
     size_[a] = std::int64_t{resolution_[a]} * tiles_[a];
   }
   if (object.color) color_ = *object.color;
-  cell_colors_ = object.cell_colors;
-  instance_colors_ = object.instance_colors;
+  if (object.cell_colors) cell_colors_ = object.cell_colors->colors;
+  if (object.instance_colors) instance_colors_ = object.instance_colors->colors;
   if (!instance_colors_.empty()) {
     membership_ = object.membership;
     std::uint64_t count = 0;

@@ -81,14 +81,14 @@ void mutate_deep(Rng& rng, TestFile& parts) {
   };
   switch (rng.below(6)) {
     case 0:
-      any(parts.chunk(kTileChunk).stored, 24, 6);
+      any(parts.chunk(kTileChunk).stored, 64, 6);
       break;  // pieces, ids
     case 1:
-      any(parts.chunk(kMembershipChunk).stored, 40, 256);
-      break;   // runs, tags
+      any(parts.chunk(kMembershipChunk).stored, 64, 256);
+      break;   // states, ranks, tags
     case 2: {  // one voxel takes another's id
       Bytes& tile = parts.chunk(kTileChunk).stored;
-      const std::size_t ids = 24 + 8 * get(tile, 16), n = tile.size() - ids;
+      const std::size_t ids = (64 + 8 * get(tile, 16) + 63) / 64 * 64, n = tile.size() - ids;
       tile[ids + rng.below(std::uint32_t(n))] = tile[ids + rng.below(std::uint32_t(n))];
       break;
     }
@@ -102,7 +102,7 @@ void mutate_deep(Rng& rng, TestFile& parts) {
     }
     default: {  // two tags change places
       Bytes& memb = parts.chunk(kMembershipChunk).stored;
-      const std::size_t tags = 40 + 4 * get(memb, 32), n = memb.size() - tags;
+      const std::size_t n = get(memb, 32) * ((get(memb, 4) + 3) / 4), tags = memb.size() - n;
       if (n > 0)
         std::swap(memb[tags + rng.below(std::uint32_t(n))], memb[tags + rng.below(std::uint32_t(n))]);
       break;
@@ -143,7 +143,7 @@ TEST_CASE("format: reader, loader and validator agree on files whose chunks were
         }
       }
       for (TestChunk& chunk : parts.chunks)
-        if (rng.below(4) == 0) compress(chunk);
+        if (rng.below(4) == 0) rng.below(2) == 0 ? compress(chunk) : split(chunk, 4096, rng.below(2) == 0);
       check(parts.build(), tally);
     }
   }
@@ -159,7 +159,7 @@ TEST_CASE("format: reader, loader and validator agree on files whose header or d
   Tally tally;
   for (std::uint64_t base = 0; base < 30; ++base) {
     const Bytes original = encoded(random_small_object(2000 + base));
-    const std::size_t directory_end = 64 + 64 * std::size_t(get(original, 24));
+    const std::size_t directory_end = entry_at(std::size_t(get(original, 24)));
     for (int i = 0; i < 200; ++i) {
       CAPTURE(base, i);
       Bytes file = original;

@@ -9,6 +9,7 @@
 #include "format/hash.h"
 #include "format/limits.h"
 #include "format/representation.h"
+#include "format/utf8.h"
 #include "tests/format/test_file.h"
 #include "tests/format/test_objects.h"
 #include "tests/support/catch.h"
@@ -65,7 +66,7 @@ TEST_CASE("format: the loader's hash equals the library's for every length") {
     TestFile parts = TestFile::take_apart(small_files()[0]);
     Bytes bytes(size);
     for (std::byte& b : bytes) b = std::byte(rng.below(256));
-    parts.chunks.push_back({fourcc("HASH"), 0, 0, size, bytes});
+    parts.chunks.push_back({fourcc("HASH"), 0, 0, size, bytes, 1u << 20});
     const Verdicts v = verdicts(parts.build());
     CHECK(v.agree);
     CHECK(v.loader);

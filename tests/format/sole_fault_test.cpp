@@ -20,14 +20,14 @@ TestFile parts_of(const CellObject& object) {
   parts.representation = kCellObjectRepresentation;
   const auto add = [&](std::uint32_t type, const Bytes& bytes) {
     const bool critical = type == kGridChunk || type == kTileChunk || type == kMembershipChunk;
-    parts.chunks.push_back({type, critical ? 1u : 0u, 0, bytes.size(), bytes});
+    parts.chunks.push_back({type, critical ? 1u : 0u, 0, bytes.size(), bytes, 1u << 20});
   };
   add(kGridChunk, encode_grid(object.grid));
   add(kTileChunk, encode_tile(object.tile));
   add(kMembershipChunk, encode_membership(object.membership));
   if (object.color) add(kColorChunk, encode_color(*object.color));
-  if (!object.cell_colors.empty()) add(kCellColorChunk, encode_colors(object.cell_colors));
-  if (!object.instance_colors.empty()) add(kInstanceColorChunk, encode_colors(object.instance_colors));
+  if (object.cell_colors) add(kCellColorChunk, encode_colors(*object.cell_colors));
+  if (object.instance_colors) add(kInstanceColorChunk, encode_colors(*object.instance_colors));
   if (object.normals) add(kNormalChunk, encode_normals(*object.normals));
   add(kTextChunk, encode_text(object.metadata));
   return parts;
@@ -87,14 +87,14 @@ Bytes operator+(Bytes a, const Bytes& b) {
 
 TEST_CASE("format: a sole fault of the container is found") {
   TestFile many = parts_of(walkthrough_object());
-  for (std::uint32_t i = 0; i < 1020; ++i) many.chunks.push_back({0x80000000 + i, 0, 0, 0, {}});
+  for (std::uint32_t i = 0; i < 4092; ++i) many.chunks.push_back({0x80000000 + i, 0, 0, 0, {}});
   CHECK(verdicts(many.build()).reader);
   many.chunks.push_back({0x70000000, 0, 0, 0, {}});
   check_sole_fault(many.build(), "chunk-count");
 
   // Entries that change places still cover the file, but not in order.
   Bytes swapped = parts_of(walkthrough_object()).build();
-  std::swap_ranges(swapped.begin() + 64, swapped.begin() + 128, swapped.begin() + 128);
+  std::swap_ranges(swapped.begin() + entry_at(0), swapped.begin() + entry_at(1), swapped.begin() + entry_at(1));
   reseal_directory(swapped);
   const Verdicts v = verdicts(swapped);
   CHECK(v.agree);
@@ -103,13 +103,9 @@ TEST_CASE("format: a sole fault of the container is found") {
 }
 
 TEST_CASE("format: a frame that zstd decodes and the format does not allow is found") {
+  // Content size in one byte, dictionary id in one: 0, that is none.
   const auto with_dictionary_id = [](const Bytes& content) {
-    Bytes frame(14);
-    put(frame, 0, 0xFD2FB528, 4);
-    put(frame, 4, 0x81, 1);  // content size in four bytes, dictionary id in one: 0, that is none
-    put(frame, 7, content.size(), 4);
-    put(frame, 11, content.size() << 3 | 1, 3);
-    return frame + content;
+    return zstd_frame_with_header(content, {0x21, 0, std::uint8_t(content.size())});
   };
   check_sole_fault(framed(with_dictionary_id), "zstd-frame");
   Bytes skippable(8);
@@ -155,8 +151,8 @@ TEST_CASE("format: a sole fault of GRID or TILE is found") {
   for (const unsigned id_bytes : {2u, 4u}) {
     check_sole_fault(edited(kTileChunk,
                             [&](Bytes& tile) {
-                              Bytes wide(tile.begin(), tile.begin() + 48);
-                              for (std::size_t i = 48; i < tile.size(); ++i) {
+                              Bytes wide(tile.begin(), tile.begin() + 128);
+                              for (std::size_t i = 128; i < tile.size(); ++i) {
                                 wide.push_back(tile[i]);
                                 wide.resize(wide.size() + id_bytes - 1);
                               }
@@ -168,24 +164,30 @@ TEST_CASE("format: a sole fault of GRID or TILE is found") {
 }
 
 TEST_CASE("format: a sole fault of MEMB is found") {
-  const auto insert_run = [](Bytes& memb, std::size_t index, std::uint32_t run) {
-    const std::size_t at = 40 + 4 * index;
-    memb.insert(memb.begin() + std::ptrdiff_t(at), 4, std::byte{0});
-    put(memb, at, run);
-    put(memb, 32, get(memb, 32) + 1);
-  };
-  // Runs are (1 tile INSIDE) and (1 tile mixed).
-  for (std::size_t index = 0; index <= 2; ++index)
-    check_sole_fault(edited(kMembershipChunk, [&](Bytes& m) { insert_run(m, index, 2); }), "memb-run-length");
-  CellObject object = walkthrough_object();
-  object.grid.tiles = object.membership.tiles = {3, 1, 1};
-  object.membership.entries = {1, 1, MembershipMap::kFirstBlock};
-  TestFile split = parts_of(object);
-  Bytes memb = split.payload(kMembershipChunk);
-  put(memb, 40, 1 << 2 | 1);
-  insert_run(memb, 1, 1 << 2 | 1);
-  split.set_payload(kMembershipChunk, memb);
-  check_sole_fault(split.build(), "memb-run-merge");
+  // States are INSIDE and mixed; one rank, one byte of tags.
+  for (std::size_t at = 2 * 2; at < 8; at += 2) {
+    check_sole_fault(
+        edited(kMembershipChunk, [&](Bytes& m) { put(m, 64, 0b1101u | 1u << at, 1); }), "memb-unused-bits");
+  }
+  for (const std::size_t at : {std::size_t{65}, std::size_t{127}, std::size_t{132}, std::size_t{191}})
+    check_sole_fault(edited(kMembershipChunk, [&](Bytes& m) { put(m, at, 1, 1); }), "payload-padding");
+  check_sole_fault(edited(kMembershipChunk, [](Bytes& m) { put(m, 128, 1, 4); }), "memb-rank");
+  check_sole_fault(edited(kMembershipChunk, [](Bytes& m) { put(m, 63, 1, 1); }), "payload-reserved");
+  // Pages of 4096 tiles: a mixed tile in the first is counted in the rank of the second.
+  CellObject paged = walkthrough_object();
+  paged.grid.tiles = paged.membership.tiles = {4097, 1, 1};
+  paged.membership.entries.assign(4097, 1);
+  paged.membership.entries[4095] = MembershipMap::kFirstBlock;
+  TestFile pages = parts_of(paged);
+  CHECK(verdicts(pages.build()).reader);
+  Bytes memb = pages.payload(kMembershipChunk);
+  const std::size_t ranks = 64 + 1088;
+  REQUIRE(get(memb, ranks + 4) == 1);
+  for (const std::uint32_t rank : {0u, 2u, 0x80000001u}) {
+    put(memb, ranks + 4, rank);
+    pages.set_payload(kMembershipChunk, memb);
+    check_sole_fault(pages.build(), "memb-rank");
+  }
 
   for (const unsigned uniform : {0b0000u, 0b0101u, 0b1010u}) {
     CellObject all_same = walkthrough_object();
@@ -223,16 +225,16 @@ TEST_CASE("format: a sole fault of a color chunk is found") {
     check_sole_fault(object, "color-resolution");
   }
   CellObject object = walkthrough_object();
-  object.cell_colors.assign(2, {255, 255, 255});
-  object.instance_colors.assign(3, {0, 0, 0});
+  object.cell_colors.emplace().colors.assign(2, {255, 255, 255});
+  object.instance_colors.emplace().colors.assign(3, {0, 0, 0});
   CHECK(verdicts(parts_of(object).build()).reader);
   for (const std::size_t count : {1, 3, 64}) {
-    object.cell_colors.resize(count);
+    object.cell_colors->colors.resize(count);
     check_sole_fault(object, count < 2 ? "payload-truncated" : "payload-trailing");
   }
-  object.cell_colors.clear();
+  object.cell_colors.reset();
   for (const std::size_t count : {2, 4}) {
-    object.instance_colors.resize(count);
+    object.instance_colors->colors.resize(count);
     check_sole_fault(object, count < 3 ? "payload-truncated" : "payload-trailing");
   }
 }
@@ -242,11 +244,11 @@ TEST_CASE("format: instance colors of an object without INSIDE instances are non
   object.membership.entries = {0, 0};
   object.membership.blocks.clear();
   TestFile parts = parts_of(object);
-  parts.chunks.push_back({kInstanceColorChunk, 0, 0, 0, {}});
+  parts.chunks.push_back({kInstanceColorChunk, 0, 0, 64, Bytes(64)});
   const Verdicts none = verdicts(parts.build());
   CHECK(none.agree);
   CHECK(none.reader);
-  parts.set_payload(kInstanceColorChunk, Bytes(3));
+  parts.set_payload(kInstanceColorChunk, Bytes(67));
   check_sole_fault(parts.build(), "payload-trailing");
 }
 
@@ -263,6 +265,6 @@ TEST_CASE("format: a sole fault of NORM is found") {
   map.normals.resize(25);
   check_sole_fault(object, "payload-trailing");
   TestFile odd = parts_of(object);
-  odd.set_payload(kNormalChunk, Bytes(49));
+  odd.set_payload(kNormalChunk, Bytes(64 + 49));
   check_sole_fault(odd.build(), "payload-trailing");
 }

@@ -37,9 +37,9 @@ CellObject to_cell_object(const MesocellObject& o) {
   object.membership.tiles = object.grid.tiles;
   object.membership.cell_count = o.cell_count;
   object.membership.entries.assign(o.entries, o.entries + object.grid.tile_count());
-  object.membership.blocks.assign(o.tags, o.tags + std::size_t{o.mixed_count} * o.block_bytes);
+  object.membership.blocks.assign(o.tags, o.tags + std::size_t{o.mixed_count} * o.tag_bytes);
   const auto colors = [](const std::uint8_t* bytes, std::uint64_t count) {
-    std::vector<Rgb8> result(bytes ? count : 0);
+    std::vector<Rgb8> result(count);
     for (std::size_t i = 0; i < result.size(); ++i) std::copy_n(bytes + 3 * i, 3, result[i].begin());
     return result;
   };
@@ -48,11 +48,14 @@ CellObject to_cell_object(const MesocellObject& o) {
     std::copy_n(o.color_resolution, 3, color.resolution.begin());
     color.voxels =
         colors(o.color, std::uint64_t{o.color_resolution[0]} * o.color_resolution[1] * o.color_resolution[2]);
+    color.max_error = o.color_error;
   }
-  object.cell_colors = colors(o.cell_colors, o.cell_count);
-  object.instance_colors = colors(o.instance_colors, o.inside);
+  if (o.cell_colors) object.cell_colors = ColorList{colors(o.cell_colors, o.cell_count), o.cell_color_error};
+  if (o.instance_colors)
+    object.instance_colors = ColorList{colors(o.instance_colors, o.inside), o.instance_color_error};
   if (o.normals) {
     object.normals.emplace().normals.resize(o.normal_count);
+    object.normals->max_error_degrees = o.normal_error;
     for (std::size_t i = 0; i < o.normal_count; ++i)
       object.normals->normals[i] = {o.normals[2 * i], o.normals[2 * i + 1]};
   }
@@ -65,26 +68,34 @@ CellObject to_cell_object(const MesocellObject& o) {
 }
 
 /// Whether each chunk holds what encoding the decoded object gives: all chunks have one encoding.
-bool is_canonical(std::span<const std::byte> file, const CellObject& object) {
+bool is_canonical(std::span<const std::byte> file, std::size_t asset, const CellObject& object) {
   const auto container = Container::open(file);
   const auto same = [&](std::uint32_t type, const Bytes& expected) {
-    const auto bytes = container->read_chunk(type);
+    const auto bytes = container->read_chunk(asset, type);
     return bytes.ok() && *bytes == expected;
   };
-  const auto has = [&](std::uint32_t type) { return container->scan().find(type).has_value(); };
+  const auto has = [&](std::uint32_t type) { return container->scan().find(asset, type).has_value(); };
   return same(kGridChunk, encode_grid(object.grid)) && same(kTileChunk, encode_tile(object.tile)) &&
          same(kMembershipChunk, encode_membership(object.membership)) &&
          object.color.has_value() == has(kColorChunk) && object.normals.has_value() == has(kNormalChunk) &&
          (!object.color || same(kColorChunk, encode_color(*object.color))) &&
-         (!has(kCellColorChunk) || same(kCellColorChunk, encode_colors(object.cell_colors))) &&
-         (!has(kInstanceColorChunk) || same(kInstanceColorChunk, encode_colors(object.instance_colors))) &&
+         object.cell_colors.has_value() == has(kCellColorChunk) &&
+         object.instance_colors.has_value() == has(kInstanceColorChunk) &&
+         (!object.cell_colors || same(kCellColorChunk, encode_colors(*object.cell_colors))) &&
+         (!object.instance_colors || same(kInstanceColorChunk, encode_colors(*object.instance_colors))) &&
          (!object.normals || same(kNormalChunk, encode_normals(*object.normals))) &&
          (!has(kTextChunk) || same(kTextChunk, encode_text(object.metadata)));
 }
 
-std::size_t chunk_count_in(const Bytes& file) {
-  if (file.size() < 128) return 0;
-  return std::min<std::size_t>(get(file, 24), (file.size() - 64) / 64);
+/// Where header and tables end; 0 if the file has no room for them.
+std::size_t tables_end(const Bytes& file) {
+  if (file.size() < 64) return 0;
+  const std::uint64_t end = 64 + 64 * (get(file, 12) + get(file, 24));
+  return end <= file.size() ? std::size_t(end) : 0;
+}
+
+std::uint64_t block_count(std::uint64_t decoded, std::uint64_t block) {
+  return block == 0 ? 0 : decoded / block + (decoded % block != 0);
 }
 
 }  // namespace
@@ -93,11 +104,12 @@ TestFile TestFile::take_apart(std::span<const std::byte> file) {
   const auto container = Container::open(file);
   if (!container) throw std::runtime_error(container.error().message);
   TestFile parts;
-  parts.representation = container->representation();
-  for (const ChunkInfo& info : container->chunks()) {
-    auto bytes = container->read_chunk(info.type);
+  parts.representation = container->assets()[0].representation;
+  parts.name = container->assets()[0].name;
+  for (const ChunkInfo& info : container->chunks_of(0)) {
+    auto bytes = container->read_chunk(0, info.type);
     if (!bytes) throw std::runtime_error(bytes.error().message);
-    parts.chunks.push_back({info.type, info.critical ? 1u : 0u, 0, bytes->size(), *bytes});
+    parts.chunks.push_back({info.type, info.critical ? 1u : 0u, 0, bytes->size(), *bytes, 1u << 20});
   }
   return parts;
 }
@@ -114,29 +126,44 @@ void TestFile::set_payload(std::uint32_t type, Bytes payload) {
 }
 
 Bytes TestFile::build() const {
-  ByteWriter directory, body;
-  const std::uint64_t body_at = 64 + 64 * chunks.size();
-  for (const TestChunk& c : chunks) {
-    directory.u32(c.type);
-    directory.u32(c.flags);
-    directory.u32(c.codec);
-    directory.u32(0);
-    directory.u64(body_at + body.size());
-    directory.u64(c.stored.size());
-    directory.u64(c.decoded_bytes);
-    directory.u64(hash64(c.stored));
-    directory.zeros(16);
-    body.append(c.stored);
-    body.pad_to(64);
+  std::vector<const TestFile*> assets = {this};
+  for (const TestFile& other : others) assets.push_back(&other);
+  std::size_t count = 0;
+  for (const TestFile* asset : assets) count += asset->chunks.size();
+  ByteWriter tables, directory, body;
+  const std::uint64_t body_at = 64 + 64 * (assets.size() + count);
+  for (const TestFile* asset : assets) {
+    tables.u32(asset->representation);
+    tables.u32(0);
+    tables.u32(std::uint32_t(asset->chunks.size()));
+    tables.u32(0);
+    tables.append(asset->name);
+    tables.zeros(40 - asset->name.size() + 8);
+    for (const TestChunk& c : asset->chunks) {
+      const std::uint64_t blocks = block_count(c.decoded_bytes, c.block_bytes);
+      const std::span stored(c.stored);
+      directory.u32(c.type);
+      directory.u32(c.flags);
+      directory.u32(c.codec);
+      directory.u32(c.block_bytes);
+      directory.u64(body_at + body.size());
+      directory.u64(c.stored.size());
+      directory.u64(c.decoded_bytes);
+      directory.u64(hash64(blocks > 1 && blocks * 16 <= stored.size() ? stored.first(blocks * 16) : stored));
+      directory.zeros(16);
+      body.append(c.stored);
+      body.pad_to(64);
+    }
   }
   ByteWriter out;
   out.append(std::string_view("\x89MESO\r\n\x1a", 8));
+  out.u16(1);
   out.u16(0);
-  out.u16(9);
-  out.u32(representation);
+  out.u32(std::uint32_t(assets.size()));
   out.u64(body_at + body.size());
-  out.u32(std::uint32_t(chunks.size()));
+  out.u32(std::uint32_t(count));
   out.zeros(36);
+  out.append(tables.bytes());
   out.append(directory.bytes());
   out.append(body.bytes());
   Bytes file = out.release();
@@ -150,10 +177,46 @@ Bytes zstd_frame(std::span<const std::byte> payload, int level) {
   return frame;
 }
 
+Bytes zstd_frame_with_header(std::span<const std::byte> payload, std::initializer_list<std::uint8_t> header) {
+  const Bytes frame = zstd_frame(payload, 19);
+  // The library makes a single segment with a content size of one byte, of two from 256 bytes on.
+  const std::size_t old_header = payload.size() < 256 ? 2 : 3;
+  Bytes result(frame.begin(), frame.begin() + 4);
+  for (const std::uint8_t byte : header) result.push_back(std::byte(byte));
+  result.insert(result.end(), frame.begin() + 4 + std::ptrdiff_t(old_header), frame.end());
+  return result;
+}
+
 void compress(TestChunk& chunk, int level) {
   chunk.codec = 1;
   chunk.decoded_bytes = chunk.stored.size();
-  chunk.stored = zstd_frame(chunk.stored, level);
+  while (chunk.block_bytes < chunk.decoded_bytes) chunk.block_bytes *= 2;
+  Bytes frame = zstd_frame(chunk.stored, level);
+  if (frame.size() < chunk.stored.size()) chunk.stored = std::move(frame);
+}
+
+void split(TestChunk& chunk, std::uint32_t block_bytes, bool compressed, int level) {
+  const std::span payload(chunk.stored);
+  chunk.codec = compressed ? 1 : 0;
+  chunk.block_bytes = block_bytes;
+  chunk.decoded_bytes = payload.size();
+  ByteWriter table, blocks;
+  const std::uint64_t count = block_count(payload.size(), block_bytes);
+  for (std::uint64_t b = 0; b < count; ++b) {
+    const auto block = payload.subspan(b * block_bytes, std::min<std::size_t>(block_bytes, payload.size() - b * block_bytes));
+    const Bytes frame = zstd_frame(block, level);
+    const auto stored = compressed && frame.size() < block.size() ? std::span<const std::byte>(frame) : block;
+    blocks.append(stored);
+    table.u64(blocks.size());
+    table.u64(hash64(stored));
+  }
+  if (count > 1) {
+    table.pad_to(64);
+    table.append(blocks.bytes());
+    chunk.stored = table.release();
+  } else {
+    chunk.stored = blocks.release();
+  }
 }
 
 void put(Bytes& bytes, std::size_t at, std::uint64_t value, unsigned count) {
@@ -171,16 +234,31 @@ void reseal_header(Bytes& file) {
 }
 
 void reseal_directory(Bytes& file) {
-  if (const std::size_t count = chunk_count_in(file); count > 0)
-    put(file, 32, hash64(std::span(file).subspan(64, count * 64)), 8);
+  if (const std::size_t end = tables_end(file); end > 0)
+    put(file, 32, hash64(std::span(file).subspan(64, end - 64)), 8);
   reseal_header(file);
 }
 
 void reseal_chunks(Bytes& file) {
-  for (std::size_t i = 0, n = chunk_count_in(file); i < n; ++i) {
-    const std::uint64_t offset = get(file, 64 + 64 * i + 16, 8), size = get(file, 64 + 64 * i + 24, 8);
+  const std::size_t end = tables_end(file);
+  for (std::size_t at = end > 0 ? 64 + 64 * std::size_t(get(file, 12)) : 0; at < end; at += 64) {
+    const std::uint64_t offset = get(file, at + 16, 8), size = get(file, at + 24, 8);
     if (offset > file.size() || size > file.size() - offset) continue;
-    put(file, 64 + 64 * i + 40, hash64(std::span(file).subspan(offset, size)), 8);
+    const auto stored = std::span(file).subspan(offset, size);
+    const std::uint64_t blocks = block_count(get(file, at + 32, 8), get(file, at + 12));
+    if (blocks <= 1 || blocks > size / 16) {
+      put(file, at + 40, hash64(stored), 8);
+      continue;
+    }
+    const std::uint64_t data_at = (blocks * 16 + 63) / 64 * 64;
+    std::uint64_t begin = 0;
+    for (std::uint64_t b = 0; b < blocks; ++b) {
+      const std::uint64_t block_end = get(file, offset + 16 * b, 8);
+      if (data_at > size || block_end < begin || block_end > size - data_at) break;
+      put(file, offset + 16 * b + 8, hash64(stored.subspan(data_at + begin, block_end - begin)), 8);
+      begin = block_end;
+    }
+    put(file, at + 40, hash64(stored.first(blocks * 16)), 8);
   }
   reseal_directory(file);
 }
@@ -189,47 +267,79 @@ bool Verdicts::has(std::string_view id) const {
   return std::find(issues.begin(), issues.end(), id) != issues.end();
 }
 
+namespace {
+
+/// What the loader makes of an asset, in an arena of its own.
+struct Loaded {
+  MesocellStatus status = kMesocellOk;
+  MesocellFault fault = {};
+  MesocellObject object = {};
+  std::unique_ptr<std::byte[]> arena;
+};
+
+Loaded load(std::span<const std::byte> file, std::size_t asset, const ReadLimits& limits, bool in_place) {
+  const MesocellOptions o = {limits.max_file_bytes, limits.max_decoded_bytes, limits.max_tiles, in_place ? 1 : 0};
+  Loaded loaded;
+  std::size_t arena_bytes = 0;
+  const auto index = std::uint32_t(asset);
+  loaded.status = mesocell_arena_bytes(file.data(), file.size(), index, &o, &arena_bytes, &loaded.fault);
+  if (loaded.status != kMesocellOk) return loaded;
+  loaded.arena.reset(new std::byte[arena_bytes]);  // not cleared: many tests ask for a lot
+  loaded.status = mesocell_load(file.data(), file.size(), index, &o, loaded.arena.get(), arena_bytes,
+                                &loaded.object, &loaded.fault);
+  return loaded;
+}
+
+}  // namespace
+
 Verdicts verdicts(std::span<const std::byte> bytes, const ReadLimits& limits) {
   // Exact buffers of their own let the address sanitizer see a read of one byte too many.
   const auto copy = std::make_unique<std::byte[]>(bytes.size());
   std::copy(bytes.begin(), bytes.end(), copy.get());
   const std::span<const std::byte> file(copy.get(), bytes.size());
   Verdicts v;
-  const auto read = read_cell_object(file, limits);
-  v.reader = read.ok();
-  if (!read) {
-    v.reader_id = read.error().id;
-    v.limit = read.error().code == ErrorCode::kLimit;
-  }
+  const auto disagree = [&](std::string why) {
+    if (v.why.empty()) v.why = std::move(why) + ", reader: " + v.reader_id + ", loader: " + v.loader_text;
+  };
   const ValidationReport report = validate(file, limits);
   v.validator = report.valid;
   for (const Issue& issue : report.issues) v.issues.emplace_back(issue.id);
 
-  const MesocellLimits l = {limits.max_file_bytes, limits.max_decoded_bytes, limits.max_tiles};
-  std::size_t arena_bytes = 0;
+  // The container itself, then each asset, until one is refused.
+  const MesocellOptions o = {limits.max_file_bytes, limits.max_decoded_bytes, limits.max_tiles, 0};
+  MesocellFile info = {};
   MesocellFault fault = {};
-  MesocellObject object = {};
-  std::unique_ptr<std::byte[]> arena;
-  MesocellStatus status = mesocell_arena_bytes(file.data(), file.size(), &l, &arena_bytes, &fault);
-  if (status == kMesocellOk) {
-    arena.reset(new std::byte[arena_bytes]);  // not cleared: many tests ask for a lot
-    status = mesocell_load(file.data(), file.size(), &l, arena.get(), arena_bytes, &object, &fault);
-  }
-  v.loader = status == kMesocellOk;
-  v.loader_limit = status == kMesocellLimit;
+  const MesocellStatus opened = mesocell_open(file.data(), file.size(), &o, &info, &fault);
+  v.loader = opened == kMesocellOk;
+  v.loader_limit = opened == kMesocellLimit;
   if (fault.text) v.loader_text = fault.text;
-
-  if (v.reader != v.validator || v.reader != v.loader) {
-    v.why = "reader: " + v.reader_id + ", loader: " + v.loader_text;
-  } else if (v.limit != v.loader_limit) {
-    v.why = "limit or fault; reader: " + v.reader_id + ", loader: " + v.loader_text;
-  } else if (!v.reader && !v.has(v.reader_id) && !report.capped) {
-    v.why = "the validator does not find " + v.reader_id;
-  } else if (v.reader && !(to_cell_object(object) == *read)) {
-    v.why = "reader and loader find different maps";
-  } else if (v.reader && !is_canonical(file, *read)) {
-    v.why = "a chunk is not in canonical form";
+  const auto container = Container::open(file, limits);
+  v.reader = container.ok();
+  const auto refuse = [&](const Error& error) {
+    v.reader = false;
+    v.reader_id = error.id;
+    v.limit = error.code == ErrorCode::kLimit;
+  };
+  if (!container) refuse(container.error());
+  const std::size_t count = container ? container->assets().size() : 0;
+  if (v.reader && v.loader && info.asset_count != count) disagree("reader and loader find different assets");
+  for (std::size_t i = 0; i < count && v.reader && v.loader; ++i) {
+    const auto read = read_cell_object(file, limits, i);
+    if (!read) refuse(read.error());
+    for (const bool in_place : {true, false}) {
+      const Loaded loaded = load(file, i, limits, in_place);
+      v.loader = loaded.status == kMesocellOk;
+      v.loader_limit = loaded.status == kMesocellLimit;
+      if (loaded.fault.text) v.loader_text = loaded.fault.text;
+      if (v.loader != v.reader) disagree("only one of reader and loader takes it");
+      if (v.reader && v.loader && !(to_cell_object(loaded.object) == *read))
+        disagree("reader and loader find different maps");
+    }
+    if (v.reader && !is_canonical(file, i, *read)) disagree("a chunk is not in canonical form");
   }
+  if (v.reader != v.validator || v.reader != v.loader) disagree("verdicts");
+  if (v.limit != v.loader_limit) disagree("limit or fault");
+  if (!v.reader && !v.has(v.reader_id) && !report.capped) disagree("the validator does not find it");
   v.agree = v.why.empty();
   return v;
 }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,13 +24,16 @@ struct TestChunk {
   std::uint32_t codec = 0;
   std::uint64_t decoded_bytes = 0;
   Bytes stored;
+  std::uint32_t block_bytes = 1u << 20;
 };
 
 struct TestFile {
   std::uint32_t representation = 0;
   std::vector<TestChunk> chunks;
+  std::string name;
+  std::vector<TestFile> others;  ///< the assets that follow; theirs are not looked at
 
-  /// Of a valid file; all chunks decoded to raw.
+  /// The first asset of a valid file; all chunks decoded to raw and of one block.
   [[nodiscard]] static TestFile take_apart(std::span<const std::byte> file);
   /// The first chunk of this type (must be there).
   [[nodiscard]] TestChunk& chunk(std::uint32_t type);
@@ -43,18 +47,27 @@ struct TestFile {
 
 /// One zstd frame by the zstd library.
 [[nodiscard]] Bytes zstd_frame(std::span<const std::byte> payload, int level = 3);
-/// Turns a raw chunk into a zstd chunk.
+/// The same with another header: `descriptor` and what follows it, before the blocks that zstd made.
+[[nodiscard]] Bytes zstd_frame_with_header(std::span<const std::byte> payload,
+                                           std::initializer_list<std::uint8_t> header);
+/// Turns a raw chunk of one block into a zstd chunk of one block, which stays raw if that is not smaller.
 void compress(TestChunk& chunk, int level = 3);
+/// Cuts a raw chunk of one block into blocks of this size, compressed or not.
+void split(TestChunk& chunk, std::uint32_t block_bytes, bool compressed, int level = 3);
+
+/// Where the directory entry of a chunk is, in a file of one asset.
+constexpr std::size_t entry_at(std::size_t chunk) { return 128 + 64 * chunk; }
 
 /// Writes `bytes` low bytes of `value` at `at`.
 void put(Bytes& bytes, std::size_t at, std::uint64_t value, unsigned count = 4);
 [[nodiscard]] std::uint64_t get(const Bytes& bytes, std::size_t at, unsigned count = 4);
-/// Recomputes hashes of the header, of the directory, or of all chunks that lie in the file, then of both.
+/// Recomputes hashes of the header; of the tables, then of the header; of all blocks and chunks that lie in the
+/// file, then of both.
 void reseal_header(Bytes& file);
 void reseal_directory(Bytes& file);
 void reseal_chunks(Bytes& file);
 
-/// What the three readers say of a file. Each gets a heap buffer of exactly the file's size.
+/// What the three readers say of a file with all its assets. Each gets a heap buffer of exactly the file's size.
 struct Verdicts {
   bool reader = false;
   bool validator = false;
