@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "format/cell_object_chunks.h"
 #include "format/cell_object_io.h"
 #include "format/container.h"
 #include "format/file.h"
@@ -11,13 +12,13 @@
 #include "format/mapped_file.h"
 #include "format/validate.h"
 #include "tests/faults/allocation_faults.h"
+#include "tests/format/test_file.h"
 #include "tests/format/test_objects.h"
 #include "tests/support/catch.h"
 #include "tests/support/folder.h"
 
 using namespace mesocell;
 using namespace mesocell::test;
-using Bytes = std::vector<std::byte>;
 
 namespace {
 
@@ -73,6 +74,10 @@ std::vector<CellObject> small_objects() {
 /// The small files, and each of them with a bit turned and cut off: errors need memory, too.
 std::vector<Bytes> good_and_bad_files() {
   std::vector<Bytes> files = small_files();
+  // The one chunk that the compact loader decodes outside its arena.
+  TestFile compressed = TestFile::take_apart(files[0]);
+  compress(compressed.chunk(kGridChunk));
+  files.push_back(compressed.build());
   const std::size_t good = files.size();
   for (std::size_t i = 0; i < good; ++i) {
     Bytes damaged = files[i];
