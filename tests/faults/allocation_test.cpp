@@ -213,12 +213,12 @@ TEST_CASE("faults: every allocation of saving a file fails, and the old one or t
           return outcome;
         },
         failing);
-    CHECK(*read_file(path, 10000) == (turn ? second : first));
+    CHECK((*read_file(path, 10000) == (turn ? second : first)));
     CHECK(folder.count() == 1);
     each_allocation_fails([&] { return outcome_of(write_file(path, first, true)); }, failing);
     each_allocation_fails([&] { return outcome_of(write_file(missing, first)); }, failing);
     each_allocation_fails([&] { return outcome_of(write_file(is_folder, first)); }, failing);
-    CHECK(*read_file(path, 10000) == (turn ? second : first));
+    CHECK((*read_file(path, 10000) == (turn ? second : first)));
     CHECK(folder.count() == 1);
   }
 }
