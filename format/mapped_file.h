@@ -16,7 +16,8 @@ namespace mesocell MESOCELL_API {
 /// If the file becomes shorter, or its disk fails, touching what is lost raises SIGBUS. The first open() of a
 /// process installs a handler for it, for good: it puts zeros in the place of everything from the lost page
 /// to the end of the mapping, so that readers go on and find a damaged file, and check() tells. Whoever reads
-/// a mapped file checks afterwards: what was read is what the file held if and only if check() succeeds.
+/// a mapped file checks afterwards: if check() succeeds, what was read is what the file held. (A change that
+/// keeps the size is seen by the time of change, whose step is some milliseconds on most file systems.)
 ///
 /// - A SIGBUS of other memory goes to the handler that was there before the first open(), or kills as it did.
 /// - A program that installs its own handler later calls handle_fault() first in it, or else calls the
