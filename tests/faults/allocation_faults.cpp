@@ -47,13 +47,20 @@ using namespace mesocell::test;
 
 #ifdef MESOCELL_TEST_SANITIZED
 
-void* operator new(std::size_t size) {
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   void* const made = strikes() ? nullptr : std::malloc(size > 0 ? size : 1);
+  if (made) ++live;
+  return made;
+}
+void* operator new(std::size_t size) {
+  void* const made = operator new(size, std::nothrow);
   if (!made) throw std::bad_alloc();
-  ++live;
   return made;
 }
 void* operator new[](std::size_t size) { return operator new(size); }
+void* operator new[](std::size_t size, const std::nothrow_t& nothrow) noexcept {
+  return operator new(size, nothrow);
+}
 void operator delete(void* gone) noexcept {
   if (gone) --live;
   std::free(gone);
