@@ -1,4 +1,5 @@
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <filesystem>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "format/file.h"
@@ -31,17 +33,34 @@ void check_child(const std::vector<std::string>& arguments) {
   CHECK(end.signal == 0);
 }
 
-bool exists(const std::string& path) { return ::access(path.c_str(), F_OK) == 0; }
+/// Changes whenever the file is replaced.
+std::tuple<ino_t, time_t, long> mark(const std::string& path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0) return {};
+  return {info.st_ino, info.st_mtim.tv_sec, info.st_mtim.tv_nsec};
+}
+
+/// What saving takes here, microseconds.
+std::uint64_t time_of_saving(const std::string& path) {
+  using namespace std::chrono;
+  const auto start = steady_clock::now();
+  for (unsigned i = 0; i < 10; ++i) REQUIRE(write_file(path, saved_bytes(1 + i % 2)).ok());
+  return std::uint64_t(duration_cast<microseconds>(steady_clock::now() - start).count()) / 10 + 1;
+}
 
 /// Kills a process that saves two contents in turn at random moments and looks at what is there.
 void kill_while_saving(const Folder& folder, const std::string& err, int rounds, Rng& rng) {
   const std::string path = folder / "file.meso";
+  const std::uint64_t one_save = time_of_saving(path);
   int seen[2] = {};
   for (int round = 0; round < rounds; ++round) {
+    const auto before = mark(path);
     const pid_t child = start_child({"save-for-ever", path}, err);
-    // The first save of the first round makes the file, which kills before it would not find.
-    while (!exists(path)) std::this_thread::sleep_for(std::chrono::microseconds(100));
-    std::this_thread::sleep_for(std::chrono::microseconds(rng.next() % 10000));
+    // Once it saves, within the next few times.
+    const auto start = std::chrono::steady_clock::now();
+    while (mark(path) == before && std::chrono::steady_clock::now() - start < std::chrono::seconds(20))
+      std::this_thread::sleep_for(std::chrono::microseconds(50));
+    std::this_thread::sleep_for(std::chrono::microseconds(rng.next() % (4 * one_save)));
     REQUIRE(::kill(child, SIGKILL) == 0);
     REQUIRE(wait_for(child, err).signal == SIGKILL);
     const auto bytes = read_file(path, 1 << 20);
@@ -50,14 +69,14 @@ void kill_while_saving(const Folder& folder, const std::string& err, int rounds,
     REQUIRE((first || *bytes == saved_bytes(2)));
     ++seen[first ? 0 : 1];
   }
-  CHECK(seen[0] > 0);
-  CHECK(seen[1] > 0);
+  CHECK(seen[0] > rounds / 10);
+  CHECK(seen[1] > rounds / 10);
   // What was left behind disturbs nobody; each kill leaves one file at most.
   CHECK(folder.count() <= std::size_t(rounds) + 1);
-  const std::size_t before = folder.count();
+  const std::size_t before_saving = folder.count();
   REQUIRE(write_file(path, saved_bytes(3)).ok());
   CHECK((*read_file(path, 1 << 20) == saved_bytes(3)));
-  CHECK(folder.count() == before);
+  CHECK(folder.count() == before_saving);
 }
 
 }  // namespace
