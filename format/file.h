@@ -11,14 +11,21 @@
 
 namespace mesocell MESOCELL_API {
 
-/// The bytes of a file, pipe or device. Errors: kUnreadable (missing, a folder, no permission, read error),
-/// kLimit (more than `max_bytes`, found before memory is taken). An empty file is no error.
+/// The bytes of a file, pipe or device. Errors: kUnreadable (missing, a folder, no permission, read error,
+/// or shorter at its end than at its beginning), kLimit (more than `max_bytes`, found before memory is taken;
+/// out of memory). An empty file is no error.
 [[nodiscard]] Result<std::vector<std::byte>> read_file(const std::string& path, std::uint64_t max_bytes);
 
 /// A file that appears under its name whole or not at all. Bytes go to a temporary name in the same folder
-/// with the same extension, which commit() turns into the target's; without commit() it is removed. A
-/// symbolic link as target stays, what it points to is replaced. A target that is there and is not a regular
-/// file is refused. All errors are kOutput with the system's reason.
+/// with the same extension (if that has at most 64 bytes), which commit() turns into the target's; without
+/// commit() it is removed. A symbolic link as target stays, what it points to is replaced. A target that is
+/// there and is not a regular file is refused. Errors are kOutput with the system's reason, and kLimit out of
+/// memory.
+///
+/// A process that is killed leaves a file `.mesocell-*` behind. It disturbs no later one, and none removes
+/// it: the process number in its name says nothing to another machine or container that shares the folder, a
+/// clock of another machine not how old it is, and a lock is lost where a library puts a file of its own
+/// there.
 class AtomicFile {
  public:
   /// `no_clobber`: an existing target is an error, here and in commit().
@@ -48,7 +55,8 @@ class AtomicFile {
   bool no_clobber_ = false;
 };
 
-/// Writes all bytes to `path` through an AtomicFile. Errors: kOutput.
+/// Writes all bytes to `path` through an AtomicFile. Errors: as there; the file is then as it was, unless the
+/// message says that it was written.
 [[nodiscard]] Status write_file(const std::string& path, std::span<const std::byte> bytes,
                                 bool no_clobber = false);
 

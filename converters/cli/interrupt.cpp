@@ -27,7 +27,13 @@ void install_signal_handlers() {
   action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // The terminal is closed; nohup and the like have it ignored, and mean it.
+  struct sigaction hangup = {};
+  if (sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN)
+    sigaction(SIGHUP, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
+  // write() then says that the file is too large, and the temporary file goes.
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 const std::atomic<bool>& cancel_flag() { return g_cancelled; }

@@ -18,11 +18,12 @@ namespace {
 
 struct ImageFormat {
   std::string_view extension;
+  const char* name;
   MesocellPixelType type;
 };
 
 constexpr std::array<ImageFormat, 2> kFormats = {
-    {{".png", kMesocellPixelUint8}, {".exr", kMesocellPixelFloat}}};
+    {{".png", "png", kMesocellPixelUint8}, {".exr", "openexr", kMesocellPixelFloat}}};
 
 const ImageFormat* find_format(const std::string& path) {
   const std::string extension = lower_extension(path);
@@ -46,6 +47,16 @@ std::vector<std::uint8_t> encode_bytes(const ImageView& image) {
   return bytes;
 }
 
+struct Target {
+  AtomicFile& file;
+  Status status;
+};
+
+void write_to_target(void* context, const void* bytes, std::size_t count) {
+  Target& target = *static_cast<Target*>(context);
+  target.status = target.file.write({static_cast<const std::byte*>(bytes), count});
+}
+
 }  // namespace
 
 Status check_image_path(const std::string& path) {
@@ -67,7 +78,7 @@ Status write_image_file(const std::string& path, const ImageView& image, const I
     if (format->type == kMesocellPixelUint8) bytes = encode_bytes(image);
     std::vector<const char*> names;
     for (const std::string& name : image.channels) names.push_back(name.c_str());
-    const MesocellImage picture{file->temporary_path().c_str(),
+    const MesocellImage picture{format->name,
                                 image.width,
                                 image.height,
                                 std::uint32_t(image.channels.size()),
@@ -75,9 +86,11 @@ Status write_image_file(const std::string& path, const ImageView& image, const I
                                 names.data(),
                                 bytes.empty() ? static_cast<const void*>(image.pixels.data()) : bytes.data()};
     std::array<char, 512> message{};
-    if (module->write(&picture, message.data(), message.size()) != 0)
-      return Error{ErrorCode::kOutput, std::string("the picture could not be written (") + message.data() +
-                                           "); check the disk and the folder"};
+    Target target{*file, {}};
+    if (module->encode(&picture, write_to_target, &target, message.data(), message.size()) != 0)
+      return Error{ErrorCode::kOutput,
+                   std::string("the picture could not be encoded (") + message.data() + ")"};
+    if (!target.status.ok()) return target.status;
   } catch (const std::bad_alloc&) {
     return Error{ErrorCode::kLimit, "there is not enough memory to write the picture; make it smaller"};
   }

@@ -13,27 +13,30 @@
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wshadow"
 #pragma GCC diagnostic ignored "-Wpedantic"
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/strutil.h>
 #pragma GCC diagnostic pop
 
 namespace {
 
-/// Empty if the picture was written.
-std::string write(const MesocellImage& image) {
+/// Puts the picture's file into `bytes`. Empty if that was done.
+std::string encode(const MesocellImage& image, std::vector<unsigned char>& bytes) {
   using namespace OIIO;
-  std::unique_ptr<ImageOutput> output = ImageOutput::create(image.path);
+  Filesystem::IOVecOutput memory(bytes);
+  std::unique_ptr<ImageOutput> output = ImageOutput::create(image.format);
   if (!output) return geterror();
-  const bool bytes = image.type == kMesocellPixelUint8;
+  if (!output->set_ioproxy(&memory)) return "this version of OpenImageIO cannot write it to memory";
+  const bool integers = image.type == kMesocellPixelUint8;
   ImageSpec spec(int(image.width), int(image.height), int(image.channel_count),
-                 bytes ? TypeDesc::UINT8 : TypeDesc::FLOAT);
+                 integers ? TypeDesc::UINT8 : TypeDesc::FLOAT);
   spec.channelnames.assign(image.channel_names, image.channel_names + image.channel_count);
   spec.alpha_channel = spec.z_channel = -1;
   for (int c = 0; c < spec.nchannels; ++c) {
     if (spec.channelnames[std::size_t(c)] == "A") spec.alpha_channel = c;
     if (spec.channelnames[std::size_t(c)] == "Z") spec.z_channel = c;
   }
-  if (bytes) {
+  if (integers) {
     spec["oiio:ColorSpace"] = "sRGB";
     spec["oiio:UnassociatedAlpha"] = 1;
   } else {
@@ -41,7 +44,7 @@ std::string write(const MesocellImage& image) {
     // Left to itself the library writes the time of day.
     spec["DateTime"] = "";
   }
-  if (!output->open(image.path, spec)) return output->geterror();
+  if (!output->open(image.format, spec)) return output->geterror();
   if (!output->write_image(spec.format, image.pixels)) {
     const std::string error = output->geterror();
     output->close();
@@ -280,11 +283,15 @@ __attribute__((visibility("default"))) uint32_t mesocell_image_module_version(vo
   return MESOCELL_IMAGE_MODULE_VERSION;
 }
 
-__attribute__((visibility("default"))) int mesocell_write_image(const MesocellImage* image, char* message,
-                                                                size_t message_bytes) {
+__attribute__((visibility("default"))) int mesocell_encode_image(const MesocellImage* image,
+                                                                 MesocellTakeBytes take, void* context,
+                                                                 char* message, size_t message_bytes) {
   return guarded(message, message_bytes, [&](std::string& error) {
-    error = write(*image);
-    return error.empty() ? 0 : 1;
+    std::vector<unsigned char> bytes;
+    error = encode(*image, bytes);
+    if (!error.empty()) return 1;
+    take(context, bytes.data(), bytes.size());
+    return 0;
   });
 }
 

@@ -13,18 +13,23 @@ enum MesocellPixelType : uint32_t {
   kMesocellPixelFloat = 1,  ///< linear
 };
 
-/// A picture to be written: rows from the top, channels interleaved.
+/// A picture to be encoded: rows from the top, channels interleaved.
 struct MesocellImage {
-  const char* path;  ///< the format follows the extension
+  const char* format;  ///< "png" or "openexr"
   uint32_t width, height, channel_count;
   MesocellPixelType type;
   const char* const* channel_names;
   const void* pixels;
 };
 
-/// Writes a picture. Returns 0, or 1 with a text in `message`, cut to `message_bytes` and ended by 0. Throws
-/// nothing.
-typedef int (*MesocellWriteImage)(const MesocellImage* image, char* message, size_t message_bytes);
+/// Gets the bytes of an encoded picture, which are the module's. Throws nothing.
+typedef void (*MesocellTakeBytes)(void* context, const void* bytes, size_t count);
+
+/// Encodes a picture and hands its file to `take`, once. Not to a file by name: the library does not look
+/// whether the last bytes found room on the disk. Returns 0, or 1 with a text in `message`, cut to
+/// `message_bytes` and ended by 0. Throws nothing.
+typedef int (*MesocellEncodeImage)(const MesocellImage* image, MesocellTakeBytes take, void* context,
+                                   char* message, size_t message_bytes);
 
 /// What a picture's file says of it, before its pixels are read.
 struct MesocellImageHeader {
@@ -85,6 +90,6 @@ typedef int (*MesocellReadPages)(const char* path, const char* format, uint32_t 
                                  size_t message_bytes);
 
 /// Changes whenever this header does; a module of another version is not used.
-#define MESOCELL_IMAGE_MODULE_VERSION 3u
+#define MESOCELL_IMAGE_MODULE_VERSION 4u
 typedef uint32_t (*MesocellImageModuleVersion)(void);
 }

@@ -10,14 +10,15 @@ const Result<ImageModule>& image_module() {
     if (!module) return module.error();
     const auto version =
         reinterpret_cast<MesocellImageModuleVersion>(find_function(*module, "mesocell_image_module_version"));
-    const auto write = reinterpret_cast<MesocellWriteImage>(find_function(*module, "mesocell_write_image"));
+    const auto encode =
+        reinterpret_cast<MesocellEncodeImage>(find_function(*module, "mesocell_encode_image"));
     const auto read = reinterpret_cast<MesocellReadImage>(find_function(*module, "mesocell_read_image"));
     const auto read_pages =
         reinterpret_cast<MesocellReadPages>(find_function(*module, "mesocell_read_pages"));
-    if (!version || !write || !read || !read_pages || version() != MESOCELL_IMAGE_MODULE_VERSION)
+    if (!version || !encode || !read || !read_pages || version() != MESOCELL_IMAGE_MODULE_VERSION)
       return Error{ErrorCode::kOutput,
                    "the image module is of another version; install the one of this program"};
-    return ImageModule{write, read, read_pages};
+    return ImageModule{encode, read, read_pages};
   }();
   return loaded;
 }

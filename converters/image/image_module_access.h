@@ -7,7 +7,7 @@ namespace mesocell {
 
 /// The functions of the image module.
 struct ImageModule {
-  MesocellWriteImage write;
+  MesocellEncodeImage encode;
   MesocellReadImage read;
   MesocellReadPages read_pages;
 };

@@ -64,6 +64,7 @@ double cpu_seconds(pid_t child) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   // The parent looks to interruptions; an interrupted terminal signals both.
   std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGHUP, SIG_IGN);
   std::signal(SIGTERM, SIG_DFL);
   Report report{};
   // Not before the fork: libraries may start threads, and a fork beside a running thread finds locks held for

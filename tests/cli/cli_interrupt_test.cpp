@@ -31,7 +31,7 @@ std::vector<std::string> long_convert(const TempFolder& folder) {
 }  // namespace
 
 TEST_CASE("an interrupted conversion ends with 130 and leaves nothing") {
-  for (const int signal : {SIGINT, SIGTERM})
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     for (const int after : {800, 1500}) {
       const TempFolder folder;
       RunOptions options;
@@ -56,17 +56,38 @@ TEST_CASE("an interrupted conversion leaves the old output whole") {
   CHECK(folder.list() == std::vector<std::string>{"torus.meso", "torus.off"});
 }
 
-TEST_CASE("an interrupted rendering ends with 130 and leaves nothing") {
+TEST_CASE("an interrupted rendering ends with 130, leaves nothing and the old output whole") {
   const TempFolder folder;
   const std::string input = folder.write("box.off", mesh_bytes(make_box({0, 0, 0}, {1, 1, 1}), "mesh.off"));
   REQUIRE(run_command({"convert", input, folder.file("box.meso"), "--tiles", "8"}).exit == 0);
+  folder.write("old.png", "the old file");
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    for (const char* output : {"new.png", "old.png"}) {
+      RunOptions options;
+      options.signal = signal;
+      options.signal_after = milliseconds(500);
+      const Run run = run_command({"render", folder.file("box.meso"), folder.file(output), "--size",
+                                   "4096x4096", "--method", "linear:1/100000"},
+                                  options);
+      INFO("signal " << signal << ": " << run.err);
+      CHECK(run.exit == 130);
+      CHECK(run.messages() == 1);
+      CHECK(read_bytes(folder.file("old.png")) == "the old file");
+      CHECK(folder.list() == std::vector<std::string>{"box.meso", "box.off", "old.png"});
+    }
+}
+
+TEST_CASE("a command that is to outlive its terminal does") {
+  const TempFolder folder;
+  const std::string input = folder.write("box.off", mesh_bytes(make_box({0, 0, 0}, {1, 1, 1}), "mesh.off"));
   RunOptions options;
-  options.signal = SIGINT;
-  options.signal_after = milliseconds(700);
-  const Run run = run_command({"render", folder.file("box.meso"), folder.file("box.png"), "--size",
-                               "4096x4096", "--method", "linear:1/100000"},
+  options.signal = SIGHUP;
+  options.signal_after = milliseconds(60);
+  const Run run = run_program("/bin/sh",
+                              {"-c", "trap '' HUP; exec \"$0\" \"$@\"", MESOCELL_COMMAND, "convert", input,
+                               folder.file("box.meso"), "--tiles", "4"},
                               options);
-  CHECK(run.exit == 130);
+  CHECK(run.exit == 0);
   CHECK(folder.list() == std::vector<std::string>{"box.meso", "box.off"});
 }
 
