@@ -8,12 +8,6 @@
 #include "format/fourcc.h"
 
 namespace mesocell {
-namespace {
-
-Error no_memory() { return Error{ErrorCode::kLimit, "there is not enough memory", "limit-exceeded"}; }
-
-}  // namespace
-
 Result<Container> Container::open(std::span<const std::byte> file, const ReadLimits& limits) try {
   IssueSink sink = IssueSink::first_error();
   auto scan = scan_container(file, file.size(), limits, sink);
@@ -24,7 +18,7 @@ Result<Container> Container::open(std::span<const std::byte> file, const ReadLim
   container.limits_ = limits;
   return container;
 } catch (const std::bad_alloc&) {
-  return no_memory();
+  return out_of_memory();
 }
 
 std::span<const ChunkInfo> Container::chunks_of(std::size_t asset) const {
@@ -41,7 +35,7 @@ Status Container::verify(std::size_t asset) const try {
     if (!verify_chunk(file_, scan_, info.first_chunk + i, sink)) return sink.first_error_as_result();
   return {};
 } catch (const std::bad_alloc&) {
-  return no_memory();
+  return out_of_memory();
 }
 
 Result<std::vector<std::byte>> Container::read_chunk(std::size_t asset, std::uint32_t type) const try {
@@ -62,7 +56,7 @@ Result<std::vector<std::byte>> Container::read_chunk(std::size_t asset, std::uin
   if (!decode_chunk(file_, chunk, decoded, sink)) return sink.first_error_as_result();
   return decoded;
 } catch (const std::bad_alloc&) {
-  return no_memory();
+  return out_of_memory();
 }
 
 }  // namespace mesocell

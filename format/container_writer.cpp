@@ -83,7 +83,7 @@ void ContainerWriter::add_chunk(std::uint32_t type, Importance importance, std::
 }
 
 Result<std::vector<std::byte>> ContainerWriter::finish() try {
-  if (out_of_memory_) return Error{ErrorCode::kLimit, "there is not enough memory to compress the file"};
+  if (out_of_memory_) return out_of_memory();
   assert(!assets_.empty());
   if (!(options_.version == FormatVersion{}))
     return Error{ErrorCode::kUsage, "there is no version " + to_string(options_.version.major) + "." +
@@ -141,7 +141,7 @@ Result<std::vector<std::byte>> ContainerWriter::finish() try {
   }
   return out.release();
 } catch (const std::bad_alloc&) {
-  return Error{ErrorCode::kLimit, "there is not enough memory to write the file"};
+  return out_of_memory();
 }
 
 }  // namespace mesocell

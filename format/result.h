@@ -33,6 +33,11 @@ struct Error {
   std::uint32_t chunk = 0;
 };
 
+/// What is returned where memory ran out. Allocates nothing, for its text fits in a string without.
+[[nodiscard]] inline Error out_of_memory() {
+  return Error{ErrorCode::kLimit, "out of memory", "limit-exceeded"};
+}
+
 /// A value or an Error. What a file did wrong is returned; what a programmer did wrong asserts.
 template <typename T>
 class [[nodiscard]] Result {

@@ -23,7 +23,4 @@ inline std::string reason(int error) { return std::generic_category().message(er
 
 inline Error unreadable(std::string message) { return Error{ErrorCode::kUnreadable, std::move(message)}; }
 
-/// For handlers of std::bad_alloc: so short a message needs no memory of its own.
-inline Error out_of_memory() { return Error{ErrorCode::kLimit, "out of memory"}; }
-
 }  // namespace mesocell

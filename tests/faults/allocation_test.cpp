@@ -142,9 +142,9 @@ TEST_CASE("faults: every allocation of opening a file and reading its chunks fai
     each_allocation_fails([&]() -> Outcome {
       const auto container = Container::open(file);
       if (!container) return outcome_of(container);
-      if (const Status status = container->verify(); !status) return outcome_of(status);
+      if (const Status status = container->verify(0); !status) return outcome_of(status);
       for (const ChunkInfo& chunk : container->chunks()) {
-        const auto bytes = container->read_chunk(chunk.type);
+        const auto bytes = container->read_chunk(0, chunk.type);
         if (!bytes) return outcome_of(bytes);
         if (bytes->size() != chunk.decoded_bytes) return {true, {}, false};
       }
@@ -159,10 +159,10 @@ TEST_CASE("faults: every allocation of the compact loader fails") {
     each_allocation_fails([&]() -> Outcome {
       std::size_t need = 0;
       MesocellObject object;
-      MesocellStatus status = mesocell_arena_bytes(file.data(), file.size(), nullptr, &need, nullptr);
+      MesocellStatus status = mesocell_arena_bytes(file.data(), file.size(), 0, nullptr, &need, nullptr);
       if (status == kMesocellOk && need > arena.size()) return {true, {}, false};
       if (status == kMesocellOk)
-        status = mesocell_load(file.data(), file.size(), nullptr, arena.data(), need, &object, nullptr);
+        status = mesocell_load(file.data(), file.size(), 0, nullptr, arena.data(), need, &object, nullptr);
       if (status == kMesocellOk) return {true};
       return {false, status == kMesocellLimit ? ErrorCode::kLimit : ErrorCode::kInvalidInput};
     });
