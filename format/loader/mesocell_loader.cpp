@@ -26,7 +26,15 @@ constexpr u32 kNone = 0xffffffff;
 
 u32 get16(const u8* p) { return p[0] | u32(p[1]) << 8; }
 u32 get32(const u8* p) { return get16(p) | get16(p + 2) << 16; }
-u64 get64(const u8* p) { return get32(p) | u64(get32(p + 4)) << 32; }
+inline u64 get64(const u8* p) {
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+  u64 v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+#else
+  return get32(p) | u64(get32(p + 4)) << 32;
+#endif
+}
 double get_f64(const u8* p) {
   const u64 bits = get64(p);
   double v;
@@ -76,6 +84,8 @@ struct Chunk {
   u64 block_size(u64 b) const { return decoded - b * block < block ? decoded - b * block : block; }
   u64 data_at() const { return blocks() > 1 ? round_up(blocks() * 16, 64) : 0; }
 };
+
+struct Rows;
 
 struct Loader {
   const u8* file;
@@ -127,6 +137,8 @@ struct Loader {
   MesocellStatus load_color(const Chunk& chunk);
   MesocellStatus load_colors(const Chunk& chunk, u64 count, const uint8_t*& colors, float& error);
   bool same_instance(u32 a, u32 b, int dx, int dy, int dz) const;
+  u64 count_boundary_between(const Rows& rows, u32 begin, u32 end) const;
+  u64 count_boundary_within(const Rows& rows) const;
   u64 count_boundary() const;
   MesocellStatus load_normals(const Chunk& chunk);
   MesocellStatus load_text(const Chunk& chunk);
@@ -389,24 +401,17 @@ MesocellStatus Loader::load_grid() {
 // The first voxel of each id, and kNone of those that no voxel has; false if one is too large.
 template <typename Id>
 bool find_first(const u8* ids, u64 voxels, u32 piece_count, u32* first) {
-  const u64 repeat = sizeof(Id) == 1 ? 0x0101010101010101 : sizeof(Id) == 2 ? 0x0001000100010001 : 0x100000001;
   const u64 step = 8 / sizeof(Id);
-  u64 last = 0, v = 0;
-  const auto visit = [&] {
-    u64 id = 0;
-    for (u32 i = 0; i < sizeof(Id); ++i) id |= u64(ids[v * sizeof(Id) + i]) << (8 * i);
-    if (id > piece_count) return false;
-    if (first[id] == kNone) first[id] = u32(v);
-    last = id;
-    ++v;
-    return true;
-  };
-  if (voxels > 0 && !visit()) return false;
-  while (v < voxels) {
+  for (u64 v = 0; v < voxels;) {
     // Most voxels have the id of the one before.
-    while (voxels - v >= step && get64(ids + v * sizeof(Id)) == last * repeat) v += step;
-    for (u64 end = voxels - v >= step ? v + step : voxels; v < end;)
-      if (!visit()) return false;
+    while (v > 0 && voxels - v >= step && get64(ids + v * sizeof(Id)) == get64(ids + (v - 1) * sizeof(Id)))
+      v += step;
+    for (const u64 end = voxels - v >= step ? v + step : voxels; v < end; ++v) {
+      u32 id = 0;
+      for (u32 i = 0; i < sizeof(Id); ++i) id |= u32(ids[v * sizeof(Id) + i]) << (8 * i);
+      if (id > piece_count) return false;
+      if (first[id] == kNone) first[id] = u32(v);
+    }
   }
   return true;
 }
@@ -647,42 +652,83 @@ bool Loader::same_instance(u32 a, u32 b, int dx, int dy, int dz) const {
   return p[0] == q[0] + dx && p[1] == q[1] + dy && p[2] == q[2] + dz;
 }
 
+// The rows of a row's neighbourhood, itself in the middle: where they begin, and the tiles that they are in.
+struct Rows {
+  u64 at[9];
+  int dy[9], dz[9];
+};
+
+// Boundary voxels of row (y, z) with x in [begin, end), one by one.
+u64 Loader::count_boundary_between(const Rows& rows, u32 begin, u32 end) const {
+  const u32 rx = object->resolution[0];
+  const auto id = [&](u32 x) { return mesocell_voxel_id(object, rows.at[4] + x); };
+  // Whether the nine voxels of this x are of one instance; three such in a row make a voxel inner.
+  const auto square = [&](u32 x) {
+    const u32 centre = id(x);
+    for (int k = 0; k < 9; ++k) {
+      const u32 other = mesocell_voxel_id(object, rows.at[k] + x);
+      // Ids in one tile tell all, and most of them are equal.
+      const bool apart = rows.dy[k] != 0 || rows.dz[k] != 0;
+      if (apart ? !same_instance(centre, other, 0, rows.dy[k], rows.dz[k]) : centre != other) return false;
+    }
+    return true;
+  };
+  const u32 left = begin == 0 ? rx - 1 : begin - 1;
+  bool before = square(left), here = square(begin);
+  bool same_before = same_instance(id(left), id(begin), begin == 0 ? 1 : 0, 0, 0);
+  u64 count = 0;
+  for (u32 x = begin; x < end; ++x) {
+    const bool last = x + 1 == rx;
+    const bool after = square(last ? 0 : x + 1);
+    const bool same_after = same_instance(id(x), id(last ? 0 : x + 1), last ? 1 : 0, 0, 0);
+    if (id(x) != 0 && !(before && here && after && same_before && same_after)) ++count;
+    before = here;
+    here = after;
+    same_before = same_after;
+  }
+  return count;
+}
+
+// The same of a row within the tile, of all x but the first and the last: as many voxels at once as ids are in
+// eight bytes. The row must have two more than that.
+u64 Loader::count_boundary_within(const Rows& rows) const {
+  const u64 width = object->id_bytes, bits = 8 * width, step = 8 / width, end = object->resolution[0] - 1;
+  const u64 ones = width == 1 ? 0x0101010101010101 : width == 2 ? 0x0001000100010001 : 0x100000001;
+  const u64 high = ones << (bits - 1), low = high - ones;
+  const auto not_zero = [&](u64 ids) { return (((ids & low) + low) | ids) & high; };
+  u64 count = 0;
+  for (u64 next = 1; next < end;) {
+    const u64 x = end - next < step ? end - step : next;  // the last time over some voxels again
+    const u64 centre = get64(object->voxel_ids + (rows.at[4] + x) * width);
+    u64 differs = 0;
+    for (int k = 0; k < 9; ++k) {
+      const u8* p = object->voxel_ids + (rows.at[k] + x) * width;
+      differs |= (get64(p - width) ^ centre) | (get64(p) ^ centre) | (get64(p + width) ^ centre);
+    }
+    const u64 boundary = (not_zero(differs) & not_zero(centre)) >> (bits - 1) >> (bits * (next - x));
+    count += boundary * ones >> (64 - bits);
+    next = x + step;
+  }
+  return count;
+}
+
 u64 Loader::count_boundary() const {
   const u32 rx = object->resolution[0], ry = object->resolution[1], rz = object->resolution[2];
   u64 count = 0;
   for (u32 z = 0; z < rz; ++z) {
     for (u32 y = 0; y < ry; ++y) {
-      u64 rows[9];  // the first voxels of the rows around this one, and the tiles that those are in
-      int dy[9], dz[9];
+      Rows rows;
       for (int k = 0; k < 9; ++k) {
         const int64_t yk = int64_t(y) + k % 3 - 1, zk = int64_t(z) + k / 3 - 1;
-        dy[k] = yk < 0 ? -1 : yk >= int64_t(ry) ? 1 : 0;
-        dz[k] = zk < 0 ? -1 : zk >= int64_t(rz) ? 1 : 0;
-        rows[k] = (u64(zk - dz[k] * int64_t(rz)) * ry + u64(yk - dy[k] * int64_t(ry))) * rx;
+        rows.dy[k] = yk < 0 ? -1 : yk >= int64_t(ry) ? 1 : 0;
+        rows.dz[k] = zk < 0 ? -1 : zk >= int64_t(rz) ? 1 : 0;
+        rows.at[k] = (u64(zk - rows.dz[k] * int64_t(rz)) * ry + u64(yk - rows.dy[k] * int64_t(ry))) * rx;
       }
-      const auto id = [&](u32 x) { return mesocell_voxel_id(object, rows[4] + x); };
-      // Whether the nine voxels of this x are of one instance; three such in a row make a voxel inner.
-      const auto square = [&](u32 x) {
-        const u32 centre = id(x);
-        for (int k = 0; k < 9; ++k) {
-          const u32 other = mesocell_voxel_id(object, rows[k] + x);
-          // Ids in one tile tell all, and most of them are equal.
-          const bool apart = dy[k] != 0 || dz[k] != 0;
-          if (apart ? !same_instance(centre, other, 0, dy[k], dz[k]) : centre != other) return false;
-        }
-        return true;
-      };
-      const bool first = square(0);
-      bool before = square(rx - 1), here = first;
-      bool same_before = same_instance(id(rx - 1), id(0), 1, 0, 0);
-      for (u32 x = 0; x < rx; ++x) {
-        const bool last = x + 1 == rx;
-        const bool after = last ? first : square(x + 1);
-        const bool same_after = same_instance(id(x), id(last ? 0 : x + 1), last ? 1 : 0, 0, 0);
-        if (id(x) != 0 && !(before && here && after && same_before && same_after)) ++count;
-        before = here;
-        here = after;
-        same_before = same_after;
+      if (y > 0 && z > 0 && y + 1 < ry && z + 1 < rz && rx >= 8 / object->id_bytes + 2) {
+        count += count_boundary_between(rows, 0, 1) + count_boundary_within(rows) +
+                 count_boundary_between(rows, rx - 1, rx);
+      } else {
+        count += count_boundary_between(rows, 0, rx);
       }
     }
   }
