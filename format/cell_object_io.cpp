@@ -41,6 +41,7 @@ using Importance = ContainerWriter::Importance;
 /// MEMB is what is read in parts, a tile's tags at a time; the other chunks are needed whole. Smaller blocks
 /// cost size: of a bunny of 256 tiles, 246 kB at 64 KiB are 290 kB at 16 KiB.
 constexpr std::uint32_t kMembershipBlockBytes = 1u << 16;
+constexpr std::uint64_t kMembershipPartBytes = 56u << 10;
 
 Status add_asset(ContainerWriter& writer, const NamedCellObject& named) {
   const CellObject& object = *named.object;
@@ -58,7 +59,7 @@ Status add_asset(ContainerWriter& writer, const NamedCellObject& named) {
   writer.add_chunk(kGridChunk, Importance::kCritical, encode_grid(object.grid));
   writer.add_chunk(kTileChunk, Importance::kCritical, encode_tile(object.tile));
   writer.add_chunk(kMembershipChunk, Importance::kCritical, encode_membership(object.membership),
-                   kMembershipBlockBytes);
+                   kMembershipBlockBytes, kMembershipPartBytes);
   if (object.color) writer.add_chunk(kColorChunk, Importance::kSkippable, encode_color(*object.color));
   if (object.cell_colors)
     writer.add_chunk(kCellColorChunk, Importance::kSkippable, encode_colors(*object.cell_colors));

@@ -79,9 +79,11 @@ class ContainerWriter {
   /// another asset unless it is empty: kUsage in finish() if not.
   void begin_asset(std::uint32_t representation, std::string_view name = {});
   /// `type` must not have been added to the asset before (assert). `block_bytes` is how many bytes can be read
-  /// alone, a power of two of at least 4 KiB and at most 8 MiB (assert).
+  /// alone, a power of two of at least 4 KiB and at most 8 MiB (assert). It is halved until the first block and the
+  /// three largest, what a reader of a part may have to read, together take no more than `part_bytes` of the file.
   void add_chunk(std::uint32_t type, Importance importance, std::span<const std::byte> bytes,
-                 std::uint32_t block_bytes = kUsualBlockBytes);
+                 std::uint32_t block_bytes = kUsualBlockBytes,
+                 std::uint64_t part_bytes = ~std::uint64_t{0});
 
   /// Bytes of the file. At least one asset must have been begun, and each have a chunk (assert). Errors:
   /// kLimit (too many assets or chunks, no memory), kUsage.

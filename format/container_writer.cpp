@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <functional>
 #include <new>
 #include <optional>
 #include <utility>
@@ -50,6 +51,31 @@ std::vector<std::byte> store(std::span<const std::byte> bytes, bool compress, Ch
   return out.release();
 }
 
+/// Compressed if that makes the file smaller.
+std::vector<std::byte> store_best(std::span<const std::byte> bytes, bool compress, ChunkInfo& info) {
+  if (compress) {
+    std::vector<std::byte> stored = store(bytes, true, info);
+    if (padded(stored.size()) < padded(block_data_at(info) + bytes.size())) return stored;
+  }
+  return store(bytes, false, info);
+}
+
+/// Stored bytes of the first block and the three largest.
+std::uint64_t largest_part(std::span<const std::byte> stored, const ChunkInfo& info) {
+  std::vector<std::uint64_t> sizes;
+  std::uint64_t begin = 0;
+  for (std::uint64_t b = 0; info.block_count() > 1 && b < info.block_count(); ++b) {
+    const std::uint64_t end = block_row(stored, b).end;
+    sizes.push_back(end - std::exchange(begin, end));
+  }
+  if (sizes.empty()) return stored.size();
+  std::uint64_t sum = sizes.front();
+  const std::size_t count = std::min<std::size_t>(3, sizes.size());
+  std::partial_sort(sizes.begin(), sizes.begin() + std::ptrdiff_t(count), sizes.end(), std::greater<>());
+  for (std::size_t i = 0; i < count; ++i) sum += sizes[i];
+  return sum;
+}
+
 }  // namespace
 
 void ContainerWriter::begin_asset(std::uint32_t representation, std::string_view name) try {
@@ -59,7 +85,7 @@ void ContainerWriter::begin_asset(std::uint32_t representation, std::string_view
 }
 
 void ContainerWriter::add_chunk(std::uint32_t type, Importance importance, std::span<const std::byte> bytes,
-                                std::uint32_t block_bytes) try {
+                                std::uint32_t block_bytes, std::uint64_t part_bytes) try {
   assert(std::has_single_bit(block_bytes) && block_bytes >= kMinBlockBytes && block_bytes <= kMaxBlockBytes);
   if (out_of_memory_) return;
   assert(!assets_.empty());
@@ -70,12 +96,11 @@ void ContainerWriter::add_chunk(std::uint32_t type, Importance importance, std::
   chunk.info.critical = importance == Importance::kCritical;
   chunk.info.block_bytes = block_bytes;
   chunk.info.decoded_bytes = bytes.size();
-  if (options_.compress) {
-    chunk.stored = store(bytes, true, chunk.info);
-    const std::uint64_t raw_bytes = block_data_at(chunk.info) + bytes.size();
-    if (padded(chunk.stored.size()) >= padded(raw_bytes)) chunk.stored.clear();
+  chunk.stored = store_best(bytes, options_.compress, chunk.info);
+  while (chunk.info.block_bytes > kMinBlockBytes && largest_part(chunk.stored, chunk.info) > part_bytes) {
+    chunk.info.block_bytes /= 2;
+    chunk.stored = store_best(bytes, options_.compress, chunk.info);
   }
-  if (chunk.stored.empty()) chunk.stored = store(bytes, false, chunk.info);
   chunks_.push_back(std::move(chunk));
   ++assets_.back().chunk_count;
 } catch (const std::bad_alloc&) {
