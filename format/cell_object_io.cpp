@@ -1,5 +1,6 @@
 #include "format/cell_object_io.h"
 
+#include <algorithm>
 #include <cassert>
 #include <new>
 #include <string>
@@ -38,10 +39,32 @@ Status check_format_limits(const CellObject& object) {
 
 using Importance = ContainerWriter::Importance;
 
-/// MEMB is what is read in parts, a tile's tags at a time; the other chunks are needed whole. Smaller blocks
-/// cost size: of a bunny of 256 tiles, 246 kB at 64 KiB are 290 kB at 16 KiB.
-constexpr std::uint32_t kMembershipBlockBytes = 1u << 16;
-constexpr std::uint64_t kMembershipPartBytes = 56u << 10;
+/// MEMB is what is read in parts, a tile's tags at a time; the other chunks are needed whole. Smaller blocks cost
+/// size: of a bunny of 256 tiles and 64 cells, 0.81 MB at 256 KiB are 0.89 MB at 128, 1.0 MB at 64 and 1.3 MB at 16.
+constexpr std::uint32_t kMembershipBlockBytes = 1u << 18;
+/// What the tags of a tile may take of the file, with some room for head and block table below 64 KiB.
+constexpr std::uint64_t kTileTagsBytes = 57u << 10;
+
+/// Whether the tags of any tile are read from at most kTileTagsBytes of MEMB.
+bool tile_tags_fit(const MembershipLayout& layout, std::uint64_t tile_count, std::uint32_t block_bytes,
+                   std::span<const std::uint64_t> stored) {
+  const auto block_of = [&](std::uint64_t at) { return static_cast<std::size_t>(at / block_bytes); };
+  // Each page of states is in one block or two, which may hold its rank too.
+  std::uint64_t of_page = 0;
+  for (std::uint64_t p = 0; p < MembershipLayout::page_count(tile_count); ++p) {
+    const std::uint64_t begin = layout.states_at + p * (MembershipLayout::kPageTiles / 4);
+    const std::uint64_t end = std::min(begin + MembershipLayout::kPageTiles / 4, layout.ranks_at);
+    const std::size_t first = block_of(begin), last = block_of(end - 1);
+    const std::size_t rank = block_of(layout.ranks_at + p * sizeof(std::uint32_t));
+    of_page = std::max(of_page, stored[first] + (last > first ? stored[last] : 0) + (rank > last ? stored[rank] : 0));
+  }
+  std::uint64_t of_tags = 0;
+  for (std::uint64_t at = layout.tags_at; at < layout.bytes; at += layout.tile_tag_bytes) {
+    const std::size_t first = block_of(at), last = block_of(at + layout.tile_tag_bytes - 1);
+    of_tags = std::max(of_tags, stored[first] + (last > first ? stored[last] : 0));
+  }
+  return stored[0] + of_page + of_tags <= kTileTagsBytes;
+}
 
 Status add_asset(ContainerWriter& writer, const NamedCellObject& named) {
   const CellObject& object = *named.object;
@@ -58,8 +81,13 @@ Status add_asset(ContainerWriter& writer, const NamedCellObject& named) {
   writer.begin_asset(kCellObjectRepresentation, named.name);
   writer.add_chunk(kGridChunk, Importance::kCritical, encode_grid(object.grid));
   writer.add_chunk(kTileChunk, Importance::kCritical, encode_tile(object.tile));
-  writer.add_chunk(kMembershipChunk, Importance::kCritical, encode_membership(object.membership),
-                   kMembershipBlockBytes, kMembershipPartBytes);
+  const std::vector<std::byte> memb = encode_membership(object.membership);
+  const auto layout = MembershipLayout::of(object.grid.tile_count(), object.tile.cell_count,
+                                           read_membership_header(memb).mixed_count);
+  writer.add_chunk(kMembershipChunk, Importance::kCritical, memb, kMembershipBlockBytes,
+                   [&](std::uint32_t block_bytes, std::span<const std::uint64_t> stored) {
+                     return tile_tags_fit(layout, object.grid.tile_count(), block_bytes, stored);
+                   });
   if (object.color) writer.add_chunk(kColorChunk, Importance::kSkippable, encode_color(*object.color));
   if (object.cell_colors)
     writer.add_chunk(kCellColorChunk, Importance::kSkippable, encode_colors(*object.cell_colors));

@@ -12,7 +12,7 @@
 #include "format/container_scan.h"
 #include "format/limits.h"
 
-namespace mesocell {
+namespace mesocell MESOCELL_INTERNAL_API {
 
 /// Reads header, asset table and directory of a file in one go, or two if there are more than some 60 chunks.
 /// Untrusted input: safe. Errors: those of the source, kInvalidInput with the id, kLimit.

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <functional>
 #include <new>
 #include <optional>
 #include <utility>
@@ -60,20 +59,16 @@ std::vector<std::byte> store_best(std::span<const std::byte> bytes, bool compres
   return store(bytes, false, info);
 }
 
-/// Stored bytes of the first block and the three largest.
-std::uint64_t largest_part(std::span<const std::byte> stored, const ChunkInfo& info) {
+/// Stored bytes of each block.
+std::vector<std::uint64_t> stored_sizes(std::span<const std::byte> stored, const ChunkInfo& info) {
+  if (info.block_count() <= 1) return {stored.size()};
   std::vector<std::uint64_t> sizes;
   std::uint64_t begin = 0;
-  for (std::uint64_t b = 0; info.block_count() > 1 && b < info.block_count(); ++b) {
+  for (std::uint64_t b = 0; b < info.block_count(); ++b) {
     const std::uint64_t end = block_row(stored, b).end;
     sizes.push_back(end - std::exchange(begin, end));
   }
-  if (sizes.empty()) return stored.size();
-  std::uint64_t sum = sizes.front();
-  const std::size_t count = std::min<std::size_t>(3, sizes.size());
-  std::partial_sort(sizes.begin(), sizes.begin() + std::ptrdiff_t(count), sizes.end(), std::greater<>());
-  for (std::size_t i = 0; i < count; ++i) sum += sizes[i];
-  return sum;
+  return sizes;
 }
 
 }  // namespace
@@ -85,7 +80,7 @@ void ContainerWriter::begin_asset(std::uint32_t representation, std::string_view
 }
 
 void ContainerWriter::add_chunk(std::uint32_t type, Importance importance, std::span<const std::byte> bytes,
-                                std::uint32_t block_bytes, std::uint64_t part_bytes) try {
+                                std::uint32_t block_bytes, const BlocksFit& fits) try {
   assert(std::has_single_bit(block_bytes) && block_bytes >= kMinBlockBytes && block_bytes <= kMaxBlockBytes);
   if (out_of_memory_) return;
   assert(!assets_.empty());
@@ -97,7 +92,8 @@ void ContainerWriter::add_chunk(std::uint32_t type, Importance importance, std::
   chunk.info.block_bytes = block_bytes;
   chunk.info.decoded_bytes = bytes.size();
   chunk.stored = store_best(bytes, options_.compress, chunk.info);
-  while (chunk.info.block_bytes > kMinBlockBytes && largest_part(chunk.stored, chunk.info) > part_bytes) {
+  while (fits && chunk.info.block_bytes > kMinBlockBytes &&
+         !fits(chunk.info.block_bytes, stored_sizes(chunk.stored, chunk.info))) {
     chunk.info.block_bytes /= 2;
     chunk.stored = store_best(bytes, options_.compress, chunk.info);
   }

@@ -104,13 +104,22 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
 
 void add_info(CLI::App& app, InfoCommand& command) {
   CLI::App* sub = app.add_subcommand("info", "Tell what is in a .meso file, or what is amiss with a mesh");
-  sub->add_option("input", command.input, std::string("File to read: .meso, or a mesh: ") + kMeshExtensions)->required()->type_name("FILE");
+  sub->add_option("input", command.input,
+                  std::string("File to read: .meso, of which FILE.meso#ASSET is one asset; or a mesh: ") + kMeshExtensions)
+      ->required()
+      ->type_name("FILE");
+  sub->add_option("--tile", command.tile,
+                  "Tell the tags of the cells of one tile instead, reading only the parts of a .meso file that say so")
+      ->type_name("I,J,K");
   add_common(*sub, command.common);
   sub->footer(
       "Keys of --json for a mesh: format, file_bytes, polygons, dropped_faces (with a repeated vertex), vertices, "
       "vertex_colors, box {min, max}, volume (metres³, null if it is not closed), diagnosis {depth, closed, triangles, "
       "components, closed_components, cavities, findings [{id, count, at_least, example, text}]}; convert has the "
-      "same diagnosis.\n\nExample:\n  mesocell info bunny.meso --json\n  mesocell info bunny.obj\n");
+      "same diagnosis.\n\nOf a .meso file with several assets the keys are those of the first one; assets [{name, …}] has "
+      "all of them. With --tile the keys are tile, tags [one a cell], bytes_read, file_bytes.\n\n"
+      "Example:\n  mesocell info bunny.meso --json\n  mesocell info library.meso#bunny\n"
+      "  mesocell info bunny.meso --tile 32,20,32\n  mesocell info bunny.obj\n");
 }
 
 void add_validate(CLI::App& app, ValidateCommand& command) {

@@ -1,10 +1,15 @@
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "converters/cli/commands.h"
 #include "converters/cli/progress_bar.h"
 #include "converters/cli/repair_report.h"
 #include "converters/cli/representations.h"
+#include "converters/cli/values.h"
 #include "converters/import/mesh_file.h"
+#include "format/chunk_reader.h"
+#include "format/tag_reader.h"
 #include "sdk/membership/diagnose.h"
 
 namespace mesocell {
@@ -87,10 +92,53 @@ int tell_mesh(const InfoCommand& command, const Console& console) {
   return console.finish(text);
 }
 
+std::string_view tag_name(Tag tag) {
+  return tag == Tag::kInside ? "inside" : tag == Tag::kOutside ? "outside" : "intersected";
+}
+
+/// The index of a file's asset that the path names, from its head alone.
+Result<std::size_t> asset_index(ByteSource& source, const AssetPath& place) {
+  if (!place.asset) return std::size_t{0};
+  const Result<ContainerScan> scan = read_head(source, {});
+  if (!scan) return scan.error();
+  return find_asset(scan->assets, place.asset);
+}
+
+/// The tags of one tile, read from as little of the file as that takes.
+int tell_tile(const InfoCommand& command, const Console& console) {
+  const Result<std::array<double, 3>> wanted = parse_numbers<3>(command.tile);
+  if (!wanted) return console.fail(wanted.error(), "--tile");
+  const AssetPath place = parse_asset_path(command.input);
+  Result<FileSource> source = FileSource::open(place.file);
+  if (!source) return console.fail(source.error(), place.file);
+  const Result<std::size_t> asset = asset_index(*source, place);
+  if (!asset) return console.fail(asset.error(), command.input);
+  Result<TagReader> reader = TagReader::open(*source, *asset);
+  if (!reader) return console.fail(reader.error(), command.input);
+  Index3 tile{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double v = (*wanted)[a];
+    if (!(v >= 0 && v < reader->grid().tiles[a] && v == std::floor(v)))
+      return console.fail(usage("--tile", "it must be three whole numbers below those of the grid's tiles, " +
+                                              nlohmann::ordered_json(reader->grid().tiles).dump()));
+    tile[a] = std::uint32_t(v);
+  }
+  const Result<std::vector<Tag>> tags = reader->tags(tile);
+  if (!tags) return console.fail(tags.error(), command.input);
+  nlohmann::ordered_json info;
+  info["tile"] = tile;
+  info["tags"] = nlohmann::ordered_json::array();
+  for (const Tag tag : *tags) info["tags"].push_back(tag_name(tag));
+  info["bytes_read"] = source->bytes_read();
+  info["file_bytes"] = source->size();
+  return console.finish(console.json() ? json_text(info) : info_text(info));
+}
+
 }  // namespace
 
 int run_info(const InfoCommand& command) {
   const Console console(command.common);
+  if (!command.tile.empty()) return tell_tile(command, console);
   if (is_readable_mesh(command.input)) return tell_mesh(command, console);
   const Result<AssetFile> file = read_whole_asset_file(command.input);
   if (!file) return console.fail(file.error(), command.input);

@@ -102,7 +102,7 @@ std::optional<Failure> repack(const ConvertCommand& command, const Progress& pro
     if (!file) return Failure{file.error(), source.path.file};
     const Result<Container> container = Container::open(source.bytes);
     if (!container) return Failure{container.error(), source.path.file};
-    const Result<std::size_t> wanted = find_asset(*container, source.path.asset);
+    const Result<std::size_t> wanted = find_asset(container->assets(), source.path.asset);
     if (!wanted) return Failure{wanted.error(), source.path.file};
     for (std::size_t i = 0; i < container->assets().size(); ++i)
       if (!source.path.asset || i == *wanted) source.assets.push_back(i);

@@ -84,10 +84,9 @@ AssetPath parse_asset_path(const std::string& text) {
 
 bool is_asset_path(const std::string& text) { return has_extension(parse_asset_path(text).file, ".meso"); }
 
-Result<std::size_t> find_asset(const Container& container, const std::optional<std::string>& asset) {
+Result<std::size_t> find_asset(std::span<const AssetInfo> assets, const std::optional<std::string>& asset) {
   if (!asset) return std::size_t{0};
   std::string names;
-  const auto assets = container.assets();
   for (std::size_t i = 0; i < assets.size(); ++i) {
     if (!assets[i].name.empty() && assets[i].name == *asset) return i;
     if (names.size() < 200)
@@ -103,7 +102,7 @@ Result<AssetFile> read_assets(std::span<const std::byte> bytes, const std::optio
                               const ReadLimits& limits) {
   Result<Container> container = Container::open(bytes, limits);
   if (!container) return container.error();
-  const Result<std::size_t> wanted = find_asset(*container, asset);
+  const Result<std::size_t> wanted = find_asset(container->assets(), asset);
   if (!wanted) return wanted.error();
   AssetFile file;
   file.format = "meso " + std::to_string(container->major()) + "." + std::to_string(container->minor());

@@ -66,7 +66,8 @@ struct AssetPath {
 [[nodiscard]] bool is_asset_path(const std::string& text);
 
 /// Index of the asset that is asked for, 0 if none is. Errors: kUsage.
-[[nodiscard]] Result<std::size_t> find_asset(const Container& container, const std::optional<std::string>& asset);
+[[nodiscard]] Result<std::size_t> find_asset(std::span<const AssetInfo> assets,
+                                             const std::optional<std::string>& asset);
 
 /// Reads assets from a file's bytes, which need not live on: the one that is asked for, else all. Untrusted
 /// input: safe. Errors: kInvalidInput with the id, kLimit, kUsage (no such asset).

@@ -115,7 +115,7 @@ std::optional<Failure> take_saved(const TileSource& source, SourcedTile& tile) {
   if (!bytes) return Failure{bytes.error(), place.file};
   const Result<Container> container = Container::open(*bytes);
   if (!container) return Failure{container.error(), place.file};
-  const Result<std::size_t> index = find_asset(*container, place.asset);
+  const Result<std::size_t> index = find_asset(container->assets(), place.asset);
   if (!index) return Failure{index.error(), place.file};
   Result<CellObject> object = read_cell_object(*bytes, {}, *index);
   if (!object) return Failure{object.error(), source.saved};

@@ -21,7 +21,7 @@ constexpr Part kParts[] = {
     {"Asset table", "`CELL`, no flags, 4 chunks, no name", 64, 128},
     {"Directory: `GRID`", "critical, raw, blocks of 1 MiB, at 384 with 64 bytes, hash", 128, 192},
     {"Directory: `TILE`", "critical, raw, blocks of 1 MiB, at 448 with 192 bytes, hash", 192, 256},
-    {"Directory: `MEMB`", "critical, raw, blocks of 64 KiB, at 640 with 193 bytes, hash", 256, 320},
+    {"Directory: `MEMB`", "critical, raw, blocks of 256 KiB, at 640 with 193 bytes, hash", 256, 320},
     {"Directory: `TEXT`", "skippable, raw, blocks of 1 MiB, at 896 with 20 bytes, hash", 320, 384},
     {"`GRID`", "box_min (0, 0, 0), voxel_edge 0.25, tiles 2 × 1 × 1", 384, 448},
     {"`TILE`, header", "resolution 4 × 4 × 4, 2 cells, 3 pieces, 1 byte an id", 448, 512},
