@@ -72,9 +72,9 @@ int main(int argc, char** argv) {
   size_t need = 0;
   MesocellObject object;
   MesocellFault fault = {0};
-  MesocellStatus status = mesocell_arena_bytes(file, size, NULL, &need, &fault);
+  MesocellStatus status = mesocell_arena_bytes(file, size, 0, NULL, &need, &fault);
   void* arena = status == kMesocellOk ? malloc(need) : NULL;
-  if (arena) status = mesocell_load(file, size, NULL, arena, need, &object, &fault);
+  if (arena) status = mesocell_load(file, size, 0, NULL, arena, need, &object, &fault);
   if (!arena || status != kMesocellOk)
     return fprintf(stderr, "%s\n", fault.text ? fault.text : "no memory"), free(arena), 3;
 

@@ -44,7 +44,7 @@ bool three_numbers(const json& value) {
 
 /// What scripts rely on in `info --json` and `convert --json`.
 void check_info(const json& info) {
-  CHECK(info["format"] == "meso 0.9");
+  CHECK(info["format"] == "meso 1.0");
   CHECK(info["representation"] == "cell-object");
   CHECK(three_counts(info["tiles"]));
   CHECK(info["tiles"][0] == 8);

@@ -20,10 +20,10 @@ namespace {
 
 constexpr Rgb8 kWhite{255, 255, 255};
 
-using ColorList = std::vector<Rgb8>;
+using VertexColors = std::vector<Rgb8>;
 
 /// The colors of a file that must be readable; the report must agree with them.
-ColorList colors_of(const std::string& name, const std::string& bytes) {
+VertexColors colors_of(const std::string& name, const std::string& bytes) {
   const TempFolder folder;
   MeshReadReport report;
   const Result<TriangleMesh> mesh = read_mesh_file(folder.write(name, bytes), {}, &report);
@@ -65,14 +65,14 @@ TEST_CASE("every format that has vertex colors gives them as they are") {
   REQUIRE(sphere.vertices.size() > 256);
   for (const MeshBytes& file : in_all_formats(sphere)) {
     INFO(file.name);
-    CHECK(colors_of(file.name, file.bytes) == (file.name.ends_with("stl") ? ColorList{} : sphere.colors));
+    CHECK(colors_of(file.name, file.bytes) == (file.name.ends_with("stl") ? VertexColors{} : sphere.colors));
   }
   sphere.colors.clear();
   for (const MeshBytes& file : in_all_formats(sphere)) CHECK(colors_of(file.name, file.bytes).empty());
 }
 
 TEST_CASE("PLY: the type of a channel says its range") {
-  const ColorList expected = {{255, 0, 128}, {0, 51, 255}, {1, 2, 3}};
+  const VertexColors expected = {{255, 0, 128}, {0, 51, 255}, {1, 2, 3}};
   for (const char* type : {"uchar", "uint8", "int", "uint", "short"})
     CHECK(colors_of("a.ply", ply(rgb(type), {"255 0 128", "0 51 255", "1 2 3"})) == expected);
   for (const char* type : {"ushort", "uint16"})
@@ -85,7 +85,7 @@ TEST_CASE("PLY: the type of a channel says its range") {
 
 TEST_CASE("PLY: where the channels stand and what they are called") {
   const std::array<std::string, 3> rows = {"1 2 3", "4 5 6", "7 8 9"};
-  const ColorList expected = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
+  const VertexColors expected = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
   CHECK(colors_of("a.ply", ply(rgb("uchar", "diffuse_"), rows)) == expected);
   CHECK(colors_of("a.ply", ply(rgb("uchar") + "property uchar alpha\n",
                                {"1 2 3 0", "4 5 6 0", "7 8 9 255"})) == expected);
@@ -139,45 +139,45 @@ TEST_CASE("PLY: channels of both byte orders") {
     }
     bytes += char(3);
     for (const std::int32_t v : {0, 1, 2}) put(v);
-    CHECK(colors_of("a.ply", bytes) == ColorList{{1, 64, 255}, {254, 255, 0}, {1, 255, 0}});
+    CHECK(colors_of("a.ply", bytes) == VertexColors{{1, 64, 255}, {254, 255, 0}, {1, 255, 0}});
   }
 }
 
 TEST_CASE("PLY: channels beyond their range are held to it, and what is no number is white") {
   CHECK(colors_of("a.ply", ply(rgb("uchar"), {"256 -1 1e300", "nan 0 0", "254.6 0.4 0"})) ==
-        ColorList{{255, 0, 255}, kWhite, {255, 0, 0}});
+        VertexColors{{255, 0, 255}, kWhite, {255, 0, 0}});
   CHECK(colors_of("a.ply", ply(rgb("float"), {"1e39 -1e39 inf", "0 nan 0", "-inf -0 1e-320"})) ==
-        ColorList{{255, 0, 255}, kWhite, {0, 0, 0}});
+        VertexColors{{255, 0, 255}, kWhite, {0, 0, 0}});
   CHECK(colors_of("a.ply", ply(rgb("float"), {"nan nan nan", "nan 1 1", "1 1 nan"})).empty());
 }
 
 TEST_CASE("OBJ: three numbers after the position are a color, a fourth is alpha, and one alone is a weight") {
   CHECK(colors_of("a.obj", obj({"1 0 0.502", "0 0.2 1 0.5", "0 0 0 # black"})) ==
-        ColorList{{255, 0, 128}, {0, 51, 255}, {0, 0, 0}});
+        VertexColors{{255, 0, 128}, {0, 51, 255}, {0, 0, 0}});
   CHECK(colors_of("a.obj", obj({"1", "0.5", "1"})).empty());
   CHECK(colors_of("a.obj", obj({"1 1", "", "0.5 0.5"})).empty());
   CHECK(colors_of("a.obj", obj({"# 1 0 0", "# 1 0 0", ""})).empty());
   CHECK(colors_of("a.obj", obj({"1 \\\n 0 0", "0 1 0", "0 \\\r\n0\\\r\n 1"})) ==
-        ColorList{{255, 0, 0}, {0, 255, 0}, {0, 0, 255}});
+        VertexColors{{255, 0, 0}, {0, 255, 0}, {0, 0, 255}});
 }
 
 TEST_CASE("OBJ: vertices without a color are white if others have one") {
   const Rgb8 red{255, 0, 0};
-  CHECK(colors_of("a.obj", obj({"", "1 0 0", "1"})) == ColorList{kWhite, red, kWhite});
-  CHECK(colors_of("a.obj", obj({"", "", "1 0 0"})) == ColorList{kWhite, kWhite, red});
-  CHECK(colors_of("a.obj", obj({"1 0 0", "x y z", "1 0 x"})) == ColorList{red, kWhite, kWhite});
-  CHECK(colors_of("a.obj", obj({"nan nan nan", "1 0 nan", "1 0 0"})) == ColorList{kWhite, kWhite, red});
+  CHECK(colors_of("a.obj", obj({"", "1 0 0", "1"})) == VertexColors{kWhite, red, kWhite});
+  CHECK(colors_of("a.obj", obj({"", "", "1 0 0"})) == VertexColors{kWhite, kWhite, red});
+  CHECK(colors_of("a.obj", obj({"1 0 0", "x y z", "1 0 x"})) == VertexColors{red, kWhite, kWhite});
+  CHECK(colors_of("a.obj", obj({"nan nan nan", "1 0 nan", "1 0 0"})) == VertexColors{kWhite, kWhite, red});
   CHECK(colors_of("a.obj", obj({"nan nan nan", "1 0 nan", "a b c"})).empty());
 }
 
 TEST_CASE("OBJ: channels beyond their range are held to it") {
   CHECK(colors_of("a.obj", obj({"1.5 -0.5 inf", "1e999 -1e999 -inf", "255 128 1e-999"})) ==
-        ColorList{{255, 0, 255}, {255, 0, 0}, {255, 255, 0}});
+        VertexColors{{255, 0, 255}, {255, 0, 0}, {255, 255, 0}});
 }
 
 TEST_CASE("OFF: only a C in the keyword announces colors, and an N normals before them") {
   const std::array<std::string, 3> rows = {"10 20 30 255", "40 50 60 255", "70 80 90 255"};
-  const ColorList expected = {{10, 20, 30}, {40, 50, 60}, {70, 80, 90}};
+  const VertexColors expected = {{10, 20, 30}, {40, 50, 60}, {70, 80, 90}};
   CHECK(colors_of("a.off", off("COFF", rows)) == expected);
   CHECK(colors_of("a.off", off("STCOFF", {"10 20 30 .5 .5", "40 50 60 1 0", "70 80 90"})) == expected);
   for (const char* keyword : {"OFF", "NOFF", "STOFF", "STNOFF"})
@@ -188,34 +188,34 @@ TEST_CASE("OFF: only a C in the keyword announces colors, and an N normals befor
   CHECK(colors_of("a.off", off("CNOFF", {"10 20 30", "40 50 60", "70 80 90"})).empty());
   // The file that needs no keyword's line: it may stand beside the counts.
   CHECK(colors_of("a.off", "COFF 3 1 0\n0 0 0 1 2 3\n1\n0\n0 4 5 6\n0 1 0 7 8 9\n3 0 1 2\n") ==
-        ColorList{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}});
+        VertexColors{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}});
 }
 
 TEST_CASE("OFF: all channels together tell whether they go up to 255 or to 1") {
   const auto read = [](const std::array<std::string, 3>& rows) {
     return colors_of("a.off", off("COFF", rows));
   };
-  CHECK(read({"1 0 0 1", "0 1 0 1", "0 0 1 1"}) == ColorList{{255, 0, 0}, {0, 255, 0}, {0, 0, 255}});
-  CHECK(read({"1 0 0 1", "0 1 0 1", "0 0 2 1"}) == ColorList{{1, 0, 0}, {0, 1, 0}, {0, 0, 2}});
-  CHECK(read({"1.0 0 0", "0 0.502 0", "0 0 2e-1"}) == ColorList{{255, 0, 0}, {0, 128, 0}, {0, 0, 51}});
+  CHECK(read({"1 0 0 1", "0 1 0 1", "0 0 1 1"}) == VertexColors{{255, 0, 0}, {0, 255, 0}, {0, 0, 255}});
+  CHECK(read({"1 0 0 1", "0 1 0 1", "0 0 2 1"}) == VertexColors{{1, 0, 0}, {0, 1, 0}, {0, 0, 2}});
+  CHECK(read({"1.0 0 0", "0 0.502 0", "0 0 2e-1"}) == VertexColors{{255, 0, 0}, {0, 128, 0}, {0, 0, 51}});
   // Alpha does not count: some write it as a share beside whole numbers.
   CHECK(read({"255 0 0 1.0", "0 128 0 0.5", "0 0 51 1.0"}) ==
-        ColorList{{255, 0, 0}, {0, 128, 0}, {0, 0, 51}});
-  CHECK(read({"1.5 -1 0", "inf -inf 0.2", "0 0 0"}) == ColorList{{255, 0, 0}, {255, 0, 51}, {0, 0, 0}});
+        VertexColors{{255, 0, 0}, {0, 128, 0}, {0, 0, 51}});
+  CHECK(read({"1.5 -1 0", "inf -inf 0.2", "0 0 0"}) == VertexColors{{255, 0, 0}, {255, 0, 51}, {0, 0, 0}});
   CHECK(read({"256 -1 99999999999999999999", "0 0 0", "1 1 1"}) ==
-        ColorList{{255, 0, 255}, {0, 0, 0}, {1, 1, 1}});
+        VertexColors{{255, 0, 255}, {0, 0, 0}, {1, 1, 1}});
 }
 
 TEST_CASE("OFF: vertices without a color are white if others have one") {
-  CHECK(colors_of("a.off", off("COFF", {"", "1 2 3", "7"})) == ColorList{kWhite, {1, 2, 3}, kWhite});
+  CHECK(colors_of("a.off", off("COFF", {"", "1 2 3", "7"})) == VertexColors{kWhite, {1, 2, 3}, kWhite});
   CHECK(colors_of("a.off", off("COFF", {"1 x 3", "nan 2 3", "4 5 6"})) ==
-        ColorList{kWhite, kWhite, {4, 5, 6}});
+        VertexColors{kWhite, kWhite, {4, 5, 6}});
   CHECK(colors_of("a.off", off("COFF", {"", "7", "# 1 2 3"})).empty());
 }
 
 TEST_CASE("a vertex at no place keeps the others' colors where they are") {
   CHECK(colors_of("a.obj", "v nan 0 0 1 1 0\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 2 3 4\n") ==
-        ColorList{{255, 255, 0}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}});
+        VertexColors{{255, 255, 0}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}});
 }
 
 TEST_CASE("colored meshes from elsewhere") {

@@ -252,17 +252,17 @@ TEST_CASE("the recipe mesh colors the instances alone, and is refused early with
   REQUIRE(make("mesh").ok());
 
   CellObject object = author(sphere, "voronoi:cells=8,resolution=8,seed=1", 6);
-  object.cell_colors.assign(8, {1, 2, 3});
+  object.cell_colors.emplace().colors.assign(8, {1, 2, 3});
   const CellObject before = object;
   const std::atomic<bool> cancel{true};
   const Progress progress{{}, &cancel};
   CHECK(apply_colors(*make("mesh"), sphere, object, 1, &progress).error().code == ErrorCode::kCancelled);
   CHECK(object == before);
   REQUIRE(apply_colors(*make("mesh"), sphere, object));
-  CHECK(object.instance_colors == *make_instance_colors(object, sphere));
-  CHECK(object.cell_colors.empty());
+  CHECK(object.instance_colors->colors == *make_instance_colors(object, sphere));
+  CHECK_FALSE(object.cell_colors.has_value());
   CHECK_FALSE(object.color.has_value());
   REQUIRE(apply_colors(*make("marble:resolution=8"), sphere, object));
-  CHECK(object.instance_colors.empty());
+  CHECK_FALSE(object.instance_colors.has_value());
   CHECK(object.color.has_value());
 }

@@ -251,9 +251,9 @@ TEST_CASE("a ray leaves the object at the first voxel that is not inside, exactl
 TEST_CASE("colors are the product of the tile's, the cell's and the instance's") {
   CellObject object =
       make_blocks({2, 1, 1}, 8, [](std::uint32_t, std::uint32_t, std::uint32_t) { return true; });
-  object.color = ColorMap{{2, 1, 1}, {{255, 0, 255}, {255, 255, 0}}};
-  object.cell_colors = {{255, 128, 255}};
-  object.instance_colors = {{255, 255, 255}, {0, 255, 255}};
+  object.color = ColorMap{{2, 1, 1}, {{255, 0, 255}, {255, 255, 0}}, 0};
+  object.cell_colors = ColorList{{{255, 128, 255}}, 0};
+  object.instance_colors = ColorList{{{255, 255, 255}, {0, 255, 255}}, 0};
   const auto caster = make_exact_caster(object);
   const auto at = [&](double x) {
     Hit hit;

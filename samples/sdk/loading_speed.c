@@ -1,15 +1,10 @@
-/* An engine's own loading of .meso files: the compact loader, zstd and nothing else, from C.
- *
- *   load_asset FILE.meso [TIMES]
- *
- * prints what the file holds; with TIMES, also how fast the first asset loads from memory. Build it with
- * mesocell_loader.h and mesocell_loader.cpp beside it and the zstd library. */
+/* Tells what is in a .meso file by the compact loader alone, and how fast its first asset loads from memory:
+ * `loading_speed FILE.meso [TIMES]`. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
-#include "mesocell_loader.h"
+#include "format/loader/mesocell_loader.h"
 
 static void* read_file(const char* path, size_t* size) {
   FILE* file = fopen(path, "rb");
@@ -58,7 +53,7 @@ int main(int argc, char** argv) {
   void *file, *arena = NULL;
   uint32_t i;
   if (argc < 2 || argc > 3) {
-    fprintf(stderr, "usage: load_asset FILE.meso [TIMES]\n");
+    fprintf(stderr, "usage: loading_speed FILE.meso [TIMES]\n");
     return 2;
   }
   file = read_file(argv[1], &size);
