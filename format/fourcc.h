@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <string>
 
-namespace mesocell {
+#include "format/api.h"
+
+namespace mesocell MESOCELL_API {
 
 /// The four characters as they stand in the file, read as a little-endian number. [spec 2.3]
 [[nodiscard]] constexpr std::uint32_t fourcc(const char (&text)[5]) {
