@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -189,4 +191,46 @@ TEST_CASE("a warning counts as a fault where that is asked for") {
   CHECK(strict.exit == 1);
   CHECK(strict.json()["valid"] == false);
   CHECK(run_command({"validate", two.ball, "--strict"}).exit == 0);
+}
+
+TEST_CASE("a report is as its published schema says") {
+  std::ifstream in(std::string(MESOCELL_SPEC_FOLDER) + "/validation-report.schema.json");
+  const json schema = json::parse(in, nullptr, false);
+  REQUIRE(schema.is_object());
+  // As much of JSON Schema as this one uses.
+  const std::function<bool(const json&, const json&)> fits = [&](const json& rule, const json& value) {
+    if (rule.contains("enum") && std::find(rule["enum"].begin(), rule["enum"].end(), value) == rule["enum"].end())
+      return false;
+    if (rule.contains("type")) {
+      const json types = rule["type"].is_array() ? rule["type"] : json::array({rule["type"]});
+      const std::string own = value.is_number_integer() ? "integer" : value.type_name();
+      if (std::find(types.begin(), types.end(), own) == types.end()) return false;
+    }
+    if (rule.contains("minimum") && value.is_number() && value < rule["minimum"]) return false;
+    if (rule.contains("minLength") && value.is_string() && value.get<std::string>().size() < rule["minLength"])
+      return false;
+    for (const json& key : rule.value("required", json::array()))
+      if (!value.contains(key.get<std::string>())) return false;
+    for (const auto& [key, of] : rule.value("properties", json::object()).items())
+      if (value.contains(key) && !fits(of, value[key])) return false;
+    if (rule.contains("items"))
+      for (const json& item : value)
+        if (!fits(rule["items"], item)) return false;
+    return true;
+  };
+  const Two two;
+  const std::string whole = bytes_of(two.ball);
+  std::vector<std::string> files = {whole, whole.substr(0, 100), whole.substr(0, whole.size() / 2), whole + "x"};
+  for (std::size_t at = 8; at < whole.size(); at += 97) {
+    files.push_back(whole);
+    files.back()[at] = char(files.back()[at] ^ 0x10);
+  }
+  for (const std::string& bytes : files) {
+    const json report = run_command({"validate", two.folder.write("x.meso", bytes), "--json"}).json();
+    CHECK(fits(schema, report));
+    for (const auto& [key, value] : report.items()) CHECK(schema["properties"].contains(key));
+    for (const json& issue : report["issues"])
+      for (const auto& [key, value] : issue.items())
+        CHECK(schema["properties"]["issues"]["items"]["properties"].contains(key));
+  }
 }
