@@ -209,9 +209,10 @@ TEST_CASE("a report is as its published schema says") {
     if (rule.contains("minimum") && value.is_number() && value < rule["minimum"]) return false;
     if (rule.contains("minLength") && value.is_string() && value.get<std::string>().size() < rule["minLength"])
       return false;
-    for (const json& key : rule.value("required", json::array()))
+    const json required = rule.value("required", json::array()), properties = rule.value("properties", json::object());
+    for (const json& key : required)
       if (!value.contains(key.get<std::string>())) return false;
-    for (const auto& [key, of] : rule.value("properties", json::object()).items())
+    for (const auto& [key, of] : properties.items())
       if (value.contains(key) && !fits(of, value[key])) return false;
     if (rule.contains("items"))
       for (const json& item : value)
