@@ -33,6 +33,7 @@ std::optional<TestFile> take_apart(const Bytes& file) {
 
 /// By libFuzzer, which knows what numbers the code compared with.
 void mutate_by_fuzzer(Bytes& bytes, std::size_t most) {
+  if (bytes.empty()) bytes.resize(1);  // it cannot change nothing
   const std::size_t size = bytes.size();
   bytes.resize(std::max(size, most));
   bytes.resize(LLVMFuzzerMutate(reinterpret_cast<std::uint8_t*>(bytes.data()), size, bytes.size()));
@@ -95,8 +96,8 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     if (rng.below(4) > 0) reseal_chunks(file);
   } else if (rng.below(4) == 0) {
     std::size_t begin = file.size();
-    for (const ChunkInfo& chunk : Container::open(file, fuzz::kLimits)->chunks())
-      begin = std::min(begin, std::size_t(chunk.offset));
+    const auto container = Container::open(file, fuzz::kLimits);
+    for (const ChunkInfo& chunk : container->chunks()) begin = std::min(begin, std::size_t(chunk.offset));
     mutate_bytes(rng, file, 0, begin);
     rng.below(2) == 0 ? reseal_chunks(file) : reseal_directory(file);
   } else {
