@@ -1,6 +1,7 @@
 #include "tests/format/mutations.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 
@@ -110,6 +111,22 @@ void mutate_deep(Rng& rng, TestFile& parts) {
       break;
     }
   }
+}
+
+void fix_counts(TestFile& parts) {
+  Bytes& memb = parts.chunk(kMembershipChunk).stored;
+  if (memb.size() < 40) return;
+  const std::uint64_t cells = get(memb, 4), runs = get(memb, 32);
+  if (cells == 0 || cells > kMaxCells || runs > (memb.size() - 40) / 4) return;
+  std::array<std::uint64_t, 4> counts{};  // by tag: outside, inside, intersected, none
+  std::size_t at = 40;
+  for (std::uint64_t i = 0; i < runs; ++i, at += 4)
+    if (const std::uint64_t run = get(memb, at); (run & 3) < 3) counts[run & 3] += (run >> 2) * cells;
+  for (const std::size_t block = std::size_t(cells + 3) / 4; memb.size() - at >= block; at += block)
+    for (std::size_t c = 0; c < cells; ++c) ++counts[get(memb, at + c / 4, 1) >> 2 * (c % 4) & 3];
+  put(memb, 8, counts[1], 8);
+  put(memb, 16, counts[0], 8);
+  put(memb, 24, counts[2], 8);
 }
 
 }  // namespace mesocell::test

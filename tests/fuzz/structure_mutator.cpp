@@ -41,6 +41,10 @@ void mutate_by_fuzzer(Bytes& bytes, std::size_t most) {
 
 void mutate_parts(Rng& rng, TestFile& parts) {
   const auto any = [&] { return rng.below(std::uint32_t(parts.chunks.size())); };
+  const auto has = [&](std::uint32_t type) {
+    return std::any_of(parts.chunks.begin(), parts.chunks.end(),
+                       [&](const TestChunk& c) { return c.type == type; });
+  };
   for (std::uint32_t k = 0, n = 1 + rng.below(3) / 2; k < n; ++k) {
     TestChunk& chunk = parts.chunks[any()];
     switch (rng.below(16)) {
@@ -66,12 +70,14 @@ void mutate_parts(Rng& rng, TestFile& parts) {
       case 7:
       case 8:
       case 9:
-      case 10: {
-        const auto has = [&](std::uint32_t type) {
-          return std::any_of(parts.chunks.begin(), parts.chunks.end(),
-                             [&](const TestChunk& c) { return c.type == type; });
-        };
+      case 10:
         if (has(kTileChunk) && has(kMembershipChunk)) mutate_deep(rng, parts);
+        break;
+      case 11: {  // a byte at the edge of what it may be
+        constexpr std::uint8_t kEdges[] = {0, 1, 2, 3, 4, 127, 128, 252, 253, 254, 255};
+        if (!chunk.stored.empty())
+          chunk.stored[rng.below(std::uint32_t(chunk.stored.size()))] =
+              std::byte(kEdges[rng.below(std::uint32_t(std::size(kEdges)))]);
         break;
       }
       default:
@@ -80,6 +86,7 @@ void mutate_parts(Rng& rng, TestFile& parts) {
         break;
     }
   }
+  if (has(kMembershipChunk) && rng.below(2) == 0) fix_counts(parts);
   for (TestChunk& chunk : parts.chunks)
     if (rng.below(8) == 0) compress(chunk, 1 + int(rng.below(19)));
 }
