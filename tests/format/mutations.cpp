@@ -115,15 +115,23 @@ void mutate_deep(Rng& rng, TestFile& parts) {
 
 void fix_counts(TestFile& parts) {
   Bytes& memb = parts.chunk(kMembershipChunk).stored;
-  if (memb.size() < 40) return;
-  const std::uint64_t cells = get(memb, 4), runs = get(memb, 32);
-  if (cells == 0 || cells > kMaxCells || runs > (memb.size() - 40) / 4) return;
+  const Bytes& grid_bytes = parts.chunk(kGridChunk).stored;
+  IssueSink sink = IssueSink::first_error();
+  const auto grid = decode_grid({kGridChunk, grid_bytes}, ReadLimits{1 << 24, 1 << 24, 1 << 20}, sink);
+  if (!grid || memb.size() < 64) return;
+  const MembershipHeader header = read_membership_header(memb);
+  const std::uint64_t tile_count = grid->tile_count();
+  const MembershipLayout layout = MembershipLayout::of(tile_count, header.cell_count, header.mixed_count);
+  if (header.cell_count == 0 || header.cell_count > kMaxCells || layout.bytes != memb.size()) return;
   std::array<std::uint64_t, 4> counts{};  // by tag: outside, inside, intersected, none
-  std::size_t at = 40;
-  for (std::uint64_t i = 0; i < runs; ++i, at += 4)
-    if (const std::uint64_t run = get(memb, at); (run & 3) < 3) counts[run & 3] += (run >> 2) * cells;
-  for (const std::size_t block = std::size_t(cells + 3) / 4; memb.size() - at >= block; at += block)
-    for (std::size_t c = 0; c < cells; ++c) ++counts[get(memb, at + c / 4, 1) >> 2 * (c % 4) & 3];
+  const auto pair = [&](std::uint64_t begin, std::uint64_t i) {
+    return get(memb, std::size_t(begin + i / 4), 1) >> 2 * (i % 4) & 3;
+  };
+  for (std::uint64_t t = 0; t < tile_count; ++t)
+    if (const std::uint64_t state = pair(layout.states_at, t); state < 3) counts[state] += header.cell_count;
+  for (std::uint64_t m = 0; m < header.mixed_count; ++m)
+    for (std::uint64_t c = 0; c < header.cell_count; ++c)
+      ++counts[pair(layout.tags_at + m * layout.tile_tag_bytes, c)];
   put(memb, 8, counts[1], 8);
   put(memb, 16, counts[0], 8);
   put(memb, 24, counts[2], 8);

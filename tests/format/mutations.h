@@ -19,7 +19,7 @@ void mutate_payload(Rng& rng, TestChunk& chunk);
 /// and all chunks must be raw; they need not be valid.
 void mutate_deep(Rng& rng, TestFile& parts);
 
-/// Makes the counts in a raw MEMB what its runs and tags say, so that a fault in a tag is not found by its
+/// Makes the counts in a raw MEMB what its states and tags say, so that a fault in a tag is not found by its
 /// count. There must be MEMB; it need not be valid.
 void fix_counts(TestFile& parts);
 

@@ -12,6 +12,7 @@
 #include "format/cell_object_chunks.h"
 #include "format/issue_sink.h"
 #include "format/limits.h"
+#include "format/payload.h"
 
 /// What fuzz targets share. A target is one source that defines LLVMFuzzerTestOneInput() of libFuzzer and
 /// seeds(), and one line in CMakeLists.txt. Everything that a target promises, it checks with

@@ -10,8 +10,10 @@ using namespace mesocell;
 
 namespace {
 
-constexpr MesocellLimits kLoaderLimits = {fuzz::kLimits.max_file_bytes, fuzz::kLimits.max_decoded_bytes,
-                                          fuzz::kLimits.max_tiles};
+constexpr MesocellOptions options(bool in_place) {
+  return {fuzz::kLimits.max_file_bytes, fuzz::kLimits.max_decoded_bytes, fuzz::kLimits.max_tiles,
+          in_place ? 1 : 0};
+}
 
 volatile std::uint64_t sum_of_all = 0;  // keeps the reads from being left out
 
@@ -58,6 +60,31 @@ void walk(const MesocellObject& object) {
   sum_of_all = sum;
 }
 
+void check_asset(std::span<const std::byte> file, std::uint32_t asset, bool in_place) {
+  const MesocellOptions o = options(in_place);
+  std::size_t need = 0;
+  MesocellFault fault = {};
+  MesocellObject object = {};
+  if (mesocell_arena_bytes(file.data(), file.size(), asset, &o, &need, &fault) != kMesocellOk) {
+    MESOCELL_FUZZ_CHECK(fault.text != nullptr && fault.offset <= file.size());
+    // Whatever it is, loading does not go further, with any arena.
+    const auto arena = std::make_unique<std::byte[]>(1000);
+    MESOCELL_FUZZ_CHECK(mesocell_load(file.data(), file.size(), asset, &o, arena.get(), 1000, &object,
+                                      nullptr) != kMesocellOk);
+    return;
+  }
+  const auto arena = std::make_unique<std::byte[]>(need);
+  const MesocellStatus status =
+      mesocell_load(file.data(), file.size(), asset, &o, arena.get(), need, &object, &fault);
+  MESOCELL_FUZZ_CHECK(status != kMesocellArenaTooSmall);
+  MESOCELL_FUZZ_CHECK((status == kMesocellOk) == (fault.text == nullptr));
+  if (status == kMesocellOk) walk(object);
+  if (need == 0) return;
+  const auto small = std::make_unique<std::byte[]>(need - 1);
+  MESOCELL_FUZZ_CHECK(mesocell_load(file.data(), file.size(), asset, &o, small.get(), need - 1, &object,
+                                    nullptr) != kMesocellOk);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -65,30 +92,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::Bytes resealed(bytes.begin(), bytes.end());
   test::reseal_chunks(resealed);
   const fuzz::Exact file(resealed);
-  const void* const begin = file.bytes().data();
-  std::size_t need = 0;
+  const MesocellOptions o = options(false);
+  MesocellFile info = {};
   MesocellFault fault = {};
-  MesocellObject object = {};
-  if (mesocell_arena_bytes(begin, size, &kLoaderLimits, &need, &fault) != kMesocellOk) {
-    MESOCELL_FUZZ_CHECK(fault.text != nullptr && fault.offset <= size);
-    // Whatever it is, loading does not go further, with any arena.
-    const auto arena = std::make_unique<std::byte[]>(1000);
-    MESOCELL_FUZZ_CHECK(mesocell_load(begin, size, &kLoaderLimits, arena.get(), 1000, &object, nullptr) !=
-                        kMesocellOk);
-    return 0;
+  if (mesocell_open(file.bytes().data(), size, &o, &info, &fault) != kMesocellOk) {
+    MESOCELL_FUZZ_CHECK(fault.text != nullptr);
+    info.asset_count = 1;
   }
-  const auto arena = std::make_unique<std::byte[]>(need);
-  const MesocellStatus status =
-      mesocell_load(begin, size, &kLoaderLimits, arena.get(), need, &object, &fault);
-  MESOCELL_FUZZ_CHECK(status != kMesocellArenaTooSmall);
-  MESOCELL_FUZZ_CHECK((status == kMesocellOk) == (fault.text == nullptr));
-  if (status == kMesocellOk) walk(object);
-
-  if (need > 0) {
-    const auto small = std::make_unique<std::byte[]>(need - 1);
-    MESOCELL_FUZZ_CHECK(mesocell_load(begin, size, &kLoaderLimits, small.get(), need - 1, &object, nullptr) ==
-                        kMesocellArenaTooSmall);
-  }
+  for (std::uint32_t asset = 0; asset < std::min(info.asset_count, 4u); ++asset)
+    for (const bool in_place : {false, true}) check_asset(file.bytes(), asset, in_place);
   return 0;
 }
 

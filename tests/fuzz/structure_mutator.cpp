@@ -25,9 +25,9 @@ Bytes bytes_of(const std::uint8_t* data, std::size_t size) {
 /// The file's chunks, if they can be had.
 std::optional<TestFile> take_apart(const Bytes& file) {
   const auto container = Container::open(file, fuzz::kLimits);
-  if (!container || !container->verify()) return std::nullopt;
-  for (const ChunkInfo& chunk : container->chunks())
-    if (!container->read_chunk(chunk.type)) return std::nullopt;
+  if (!container || !container->verify(0)) return std::nullopt;
+  for (const ChunkInfo& chunk : container->chunks_of(0))
+    if (!container->read_chunk(0, chunk.type)) return std::nullopt;
   return TestFile::take_apart(file);
 }
 
@@ -86,9 +86,17 @@ void mutate_parts(Rng& rng, TestFile& parts) {
         break;
     }
   }
-  if (has(kMembershipChunk) && rng.below(2) == 0) fix_counts(parts);
-  for (TestChunk& chunk : parts.chunks)
-    if (rng.below(8) == 0) compress(chunk, 1 + int(rng.below(19)));
+  if (has(kGridChunk) && has(kMembershipChunk) && rng.below(2) == 0) fix_counts(parts);
+  for (TestChunk& chunk : parts.chunks) {
+    const std::uint32_t kind = rng.below(16);
+    if (kind < 2) compress(chunk, 1 + int(rng.below(19)));
+    if (kind == 2) split(chunk, 4096, rng.below(2) == 0);
+  }
+  if (rng.below(32) == 0) {
+    TestFile other = parts;
+    other.name = "other";
+    parts.others.push_back(std::move(other));
+  }
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "format/text_chunk.h"
 #include "tests/format/test_objects.h"
 #include "tests/fuzz/fuzz.h"
 
