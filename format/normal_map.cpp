@@ -150,7 +150,7 @@ std::array<int, 3> direction(int u, int v) {
 }  // namespace
 
 std::vector<std::uint8_t> boundary_voxels(const TileMap& tile) {
-  std::vector<std::uint8_t> boundary(tile.voxel_count());
+  std::vector<std::uint8_t> boundary(static_cast<std::size_t>(tile.voxel_count()));
   (void)find_boundary(tile, boundary.data());
   return boundary;
 }
