@@ -125,10 +125,10 @@ void fix_counts(TestFile& parts) {
   if (header.cell_count == 0 || header.cell_count > kMaxCells || layout.bytes != memb.size()) return;
   std::array<std::uint64_t, 4> counts{};  // by tag: outside, inside, intersected, none
   const auto pair = [&](std::uint64_t begin, std::uint64_t i) {
-    return get(memb, std::size_t(begin + i / 4), 1) >> 2 * (i % 4) & 3;
+    return std::size_t(get(memb, std::size_t(begin + i / 4), 1) >> 2 * (i % 4) & 3);
   };
   for (std::uint64_t t = 0; t < tile_count; ++t)
-    if (const std::uint64_t state = pair(layout.states_at, t); state < 3) counts[state] += header.cell_count;
+    if (const std::size_t state = pair(layout.states_at, t); state < 3) counts[state] += header.cell_count;
   for (std::uint64_t m = 0; m < header.mixed_count; ++m)
     for (std::uint64_t c = 0; c < header.cell_count; ++c)
       ++counts[pair(layout.tags_at + m * layout.tile_tag_bytes, c)];
