@@ -44,7 +44,7 @@ std::uint64_t count_inside_voxels(const CellObject& object) {
       ++of_tile;
     }
   std::uint64_t sum = 0;
-  for (std::uint64_t t = 0; t < object.grid.tile_count(); ++t) {
+  for (std::size_t t = 0; t < object.membership.entries.size(); ++t) {
     const std::uint32_t entry = object.membership.entries[t];
     if (entry < MembershipMap::kFirstBlock) {
       if (entry == std::uint32_t(Tag::kInside)) sum += of_tile;

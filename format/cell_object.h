@@ -88,7 +88,7 @@ struct MembershipMap {
   /// Tag of cell `cell` (1…cell_count) whose home is tile `tile`.
   [[nodiscard]] Tag tag(std::uint64_t tile, std::uint32_t cell) const {
     assert(cell >= 1 && cell <= cell_count);
-    const std::uint32_t entry = entries[tile];
+    const std::uint32_t entry = entries[static_cast<std::size_t>(tile)];
     if (entry < kFirstBlock) return static_cast<Tag>(entry);
     const std::size_t at = std::size_t{entry - kFirstBlock} * block_bytes() + (cell - 1) / 4;
     return static_cast<Tag>(blocks[at] >> (2 * ((cell - 1) % 4)) & 3);

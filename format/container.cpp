@@ -47,7 +47,7 @@ Result<std::vector<std::byte>> Container::read_chunk(std::size_t asset, std::uin
     return sink.first_error_as_result();
   }
   const ChunkInfo& chunk = scan_.chunks[*index];
-  if (chunk.decoded_bytes > limits_.max_decoded_bytes) {
+  if (MemoryBudget budget(limits_); !budget.charge(chunk.decoded_bytes)) {
     sink.add(IssueId::kLimitExceeded, std::nullopt, type, std::to_string(chunk.decoded_bytes) + " bytes");
     return sink.first_error_as_result();
   }

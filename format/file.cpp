@@ -1,3 +1,4 @@
+#define _FILE_OFFSET_BITS 64  // sizes of files on 32-bit machines
 #include "format/file.h"
 
 #include <fcntl.h>
@@ -132,7 +133,8 @@ Result<std::vector<std::byte>> read_file(const std::string& path, std::uint64_t 
     expected = static_cast<std::uint64_t>(info.st_size);
     if (expected > max_bytes) return over_limit();
     // The end is found without more memory.
-    bytes.reserve(expected + 1);
+    if (expected >= bytes.max_size()) throw std::bad_alloc();
+    bytes.reserve(static_cast<std::size_t>(expected + 1));
   }
   // Pipes and devices have no size, and a file may grow while it is read.
   for (;;) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "format/api.h"
@@ -18,10 +19,12 @@ struct ReadLimits {
   std::uint64_t max_tiles = std::uint64_t{1} << 28;
 };
 
-/// Counts what a reader is about to allocate against ReadLimits::max_decoded_bytes.
+/// Counts what a reader is about to allocate against ReadLimits::max_decoded_bytes, and against what one object
+/// can have on this machine: what was charged fits in a std::size_t and in a vector.
 class MemoryBudget {
  public:
-  explicit MemoryBudget(const ReadLimits& limits) : left_(limits.max_decoded_bytes) {}
+  explicit MemoryBudget(const ReadLimits& limits)
+      : left_(std::min<std::uint64_t>(limits.max_decoded_bytes, PTRDIFF_MAX)) {}
   /// Takes `count` × `bytes_each` from the budget; false, and nothing taken, if that is more than is left.
   [[nodiscard]] bool charge(std::uint64_t count, std::uint64_t bytes_each = 1) {
     if (count != 0 && bytes_each > left_ / count) return false;

@@ -81,7 +81,7 @@ class BoundaryFinder {
       std::uint8_t* three = rows_.data() + y * nx_;
       for (std::size_t x = 1; x + 1 < nx_; ++x)
         three[x] =
-            static_cast<std::uint8_t>((id(row + x - 1) == id(row + x)) & (id(row + x) == id(row + x + 1)));
+            static_cast<std::uint8_t>(int{id(row + x - 1) == id(row + x)} & int{id(row + x) == id(row + x + 1)});
       const std::uint8_t wrap = same_across(id(row + nx_ - 1), id(row), 0);
       three[0] = wrap & static_cast<std::uint8_t>(id(row) == id(row + 1));
       three[nx_ - 1] = wrap & static_cast<std::uint8_t>(id(row + nx_ - 2) == id(row + nx_ - 1));
@@ -150,7 +150,7 @@ std::array<int, 3> direction(int u, int v) {
 }  // namespace
 
 std::vector<std::uint8_t> boundary_voxels(const TileMap& tile) {
-  std::vector<std::uint8_t> boundary(tile.voxel_count());
+  std::vector<std::uint8_t> boundary(static_cast<std::size_t>(tile.voxel_count()));
   (void)find_boundary(tile, boundary.data());
   return boundary;
 }

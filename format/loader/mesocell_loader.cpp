@@ -283,7 +283,8 @@ MesocellStatus Loader::find_chunks(u32 asset) {
   fault_chunk = 0;
   for (int required = kGrid; required <= kMemb; ++required)
     if (!chunks[required].there) return invalid("a chunk is missing", u64(first - file));
-  budget = options.max_decoded_bytes;
+  // No object has more bytes than this, so that what was charged fits in a size_t.
+  budget = options.max_decoded_bytes < PTRDIFF_MAX ? options.max_decoded_bytes : PTRDIFF_MAX;
   for (const u8* entry = first; entry < end; entry += 64)
     if (!charge(1, get64(entry + 32))) return over_limit("the chunks decode to too many bytes");
   return kMesocellOk;
@@ -775,7 +776,7 @@ bool lay_out(const Loader& loader, Layout& layout) {
     layout.block += round_up(c.decoded, 64);
   }
   layout.total = layout.block + 4 * (tile_count > most_pieces ? tile_count : most_pieces + 1);
-  return layout.total <= SIZE_MAX;
+  return layout.total <= PTRDIFF_MAX;
 }
 
 Loader begin(const void* file, size_t file_bytes, const MesocellOptions* options, MesocellFault* fault) {

@@ -80,7 +80,7 @@ TEST_CASE("normal map: boundary voxels are those of the definition") {
     const TileMap tile = random_tile(rng, options);
     const auto found = boundary_voxels(tile);
     REQUIRE(found == boundary_by_definition(tile));
-    std::uint64_t count = 0;
+    std::size_t count = 0;
     for (const std::uint8_t b : found) count += b;
     CHECK(count_boundary_voxels(tile) == count);
     boundary += count;

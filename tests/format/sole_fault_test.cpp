@@ -39,11 +39,11 @@ CellObject resized(const Index3& resolution, const Index3& tiles) {
   object.tile.resolution = resolution;
   object.tile.cell_count = 1;
   object.tile.pieces = {{1, {0, 0, 0}}};
-  object.tile.voxel_ids.assign(object.tile.voxel_count(), 1);
+  object.tile.voxel_ids.assign(std::size_t(object.tile.voxel_count()), 1);
   object.grid.tiles = object.membership.tiles = tiles;
   object.membership.cell_count = 1;
   object.membership.blocks.clear();
-  object.membership.entries.assign(object.grid.tile_count(), 1);
+  object.membership.entries.assign(std::size_t(object.grid.tile_count()), 1);
   return object;
 }
 

@@ -150,7 +150,7 @@ TEST_CASE("format: the tags of a tile of 256 tiles are read from less than 64 Ki
       // Half of them mixed tiles, which take most.
       Index3 tile = {rng.below(256), rng.below(256), rng.below(256)};
       if (i % 2 == 0)
-        while (object.membership.entries[object.grid.tile_index(tile[0], tile[1], tile[2])] < 3)
+        while (object.membership.entries[std::size_t(object.grid.tile_index(tile[0], tile[1], tile[2]))] < 3)
           tile = {rng.below(256), rng.below(256), rng.below(256)};
       const auto tags = reader->tags(tile);
       REQUIRE(tags.ok());

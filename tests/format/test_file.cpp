@@ -39,7 +39,7 @@ CellObject to_cell_object(const MesocellObject& o) {
   object.membership.entries.assign(o.entries, o.entries + object.grid.tile_count());
   object.membership.blocks.assign(o.tags, o.tags + std::size_t{o.mixed_count} * o.tag_bytes);
   const auto colors = [](const std::uint8_t* bytes, std::uint64_t count) {
-    std::vector<Rgb8> result(count);
+    std::vector<Rgb8> result(static_cast<std::size_t>(count));
     for (std::size_t i = 0; i < result.size(); ++i) std::copy_n(bytes + 3 * i, 3, result[i].begin());
     return result;
   };
@@ -54,7 +54,7 @@ CellObject to_cell_object(const MesocellObject& o) {
   if (o.instance_colors)
     object.instance_colors = ColorList{colors(o.instance_colors, o.inside), o.instance_color_error};
   if (o.normals) {
-    object.normals.emplace().normals.resize(o.normal_count);
+    object.normals.emplace().normals.resize(std::size_t(o.normal_count));
     object.normals->max_error_degrees = o.normal_error;
     for (std::size_t i = 0; i < o.normal_count; ++i)
       object.normals->normals[i] = {o.normals[2 * i], o.normals[2 * i + 1]};
@@ -149,7 +149,7 @@ Bytes TestFile::build() const {
       directory.u64(body_at + body.size());
       directory.u64(c.stored.size());
       directory.u64(c.decoded_bytes);
-      directory.u64(hash64(blocks > 1 && blocks * 16 <= stored.size() ? stored.first(blocks * 16) : stored));
+      directory.u64(hash64(blocks > 1 && blocks * 16 <= stored.size() ? stored.first(std::size_t(blocks * 16)) : stored));
       directory.zeros(16);
       body.append(c.stored);
       body.pad_to(64);
@@ -202,7 +202,7 @@ void split(TestChunk& chunk, std::uint32_t block_bytes, bool compressed, int lev
   chunk.decoded_bytes = payload.size();
   ByteWriter table, blocks;
   const std::uint64_t count = block_count(payload.size(), block_bytes);
-  for (std::uint64_t b = 0; b < count; ++b) {
+  for (std::size_t b = 0; b < count; ++b) {
     const auto block = payload.subspan(b * block_bytes, std::min<std::size_t>(block_bytes, payload.size() - b * block_bytes));
     const Bytes frame = zstd_frame(block, level);
     const auto stored = compressed && frame.size() < block.size() ? std::span<const std::byte>(frame) : block;
@@ -242,23 +242,24 @@ void reseal_directory(Bytes& file) {
 void reseal_chunks(Bytes& file) {
   const std::size_t end = tables_end(file);
   for (std::size_t at = end > 0 ? 64 + 64 * std::size_t(get(file, 12)) : 0; at < end; at += 64) {
-    const std::uint64_t offset = get(file, at + 16, 8), size = get(file, at + 24, 8);
-    if (offset > file.size() || size > file.size() - offset) continue;
+    if (get(file, at + 16, 8) > file.size() || get(file, at + 24, 8) > file.size() - get(file, at + 16, 8)) continue;
+    const std::size_t offset = std::size_t(get(file, at + 16, 8)), size = std::size_t(get(file, at + 24, 8));
     const auto stored = std::span(file).subspan(offset, size);
     const std::uint64_t blocks = block_count(get(file, at + 32, 8), get(file, at + 12));
     if (blocks <= 1 || blocks > size / 16) {
       put(file, at + 40, hash64(stored), 8);
       continue;
     }
-    const std::uint64_t data_at = (blocks * 16 + 63) / 64 * 64;
-    std::uint64_t begin = 0;
-    for (std::uint64_t b = 0; b < blocks; ++b) {
-      const std::uint64_t block_end = get(file, offset + 16 * b, 8);
-      if (data_at > size || block_end < begin || block_end > size - data_at) break;
+    const std::size_t data_at = std::size_t(blocks * 16 + 63) / 64 * 64;
+    std::size_t begin = 0;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const std::uint64_t end_of_block = get(file, offset + 16 * b, 8);
+      if (data_at > size || end_of_block < begin || end_of_block > size - data_at) break;
+      const std::size_t block_end = std::size_t(end_of_block);
       put(file, offset + 16 * b + 8, hash64(stored.subspan(data_at + begin, block_end - begin)), 8);
       begin = block_end;
     }
-    put(file, at + 40, hash64(stored.first(blocks * 16)), 8);
+    put(file, at + 40, hash64(stored.first(std::size_t(blocks * 16))), 8);
   }
   reseal_directory(file);
 }

@@ -74,7 +74,7 @@ MembershipMap random_membership(Rng& rng, const Index3& tiles, std::uint32_t cel
 }
 
 std::vector<Rgb8> random_colors(Rng& rng, std::uint64_t count) {
-  std::vector<Rgb8> colors(count);
+  std::vector<Rgb8> colors(static_cast<std::size_t>(count));
   for (Rgb8& color : colors)
     for (std::uint8_t& channel : color) channel = std::uint8_t(rng.below(256));
   return colors;
@@ -107,7 +107,7 @@ TileMap random_tile(Rng& rng, const RandomObjectOptions& options) {
   TileMap tile;
   tile.resolution = options.resolution;
   const Index3& r = tile.resolution;
-  std::vector<Label> labels(tile.voxel_count());
+  std::vector<Label> labels(static_cast<std::size_t>(tile.voxel_count()));
   std::map<std::array<std::uint32_t, 3>, Label> of_block;
   for (std::size_t v = 0; v < labels.size(); ++v) {
     const std::uint32_t x = std::uint32_t(v % r[0]), y = std::uint32_t(v / r[0] % r[1]),
