@@ -89,7 +89,7 @@ void add_state_cases(CaseList& cases) {
   for (unsigned bit = 4; bit < 8; ++bit)
     cases.fault("memb-unused-bits/state-bit-" + to_string(bit),
                 with_bit(tiny(), kMembershipChunk, kStatesAt, bit));
-  cases.fault("memb-unused-bits/all-after-the-states", with_memb(kStatesAt, 0b11111101, 1));
+  cases.faults("memb-unused-bits/all-after-the-states", with_memb(kStatesAt, 0b11111101, 1));
   for (std::size_t at = kStatesAt + 1; at < kRanksAt; ++at)
     cases.fault("payload-padding/memb-" + to_string(at), with_bit(tiny(), kMembershipChunk, at, at % 8));
   for (std::size_t at = kRanksAt + 4; at < kTagsAt; ++at)
@@ -220,7 +220,7 @@ void add_tag_cases(CaseList& cases) {
   cases.fault("memb-uniform/of-the-second-tile", parts_of(both).build());
   cases.fault("memb-unused-bits/of-the-second-tile", with_bit(parts, kMembershipChunk, kTagsAt + 1, 7));
   cases.fault("memb-unused-bits/of-the-first-tile", with_bit(parts, kMembershipChunk, kTagsAt, 4));
-  cases.fault("memb-counts/tags-changed-places", with(parts, kMembershipChunk, kTagsAt, 0b0110'0010, 2));
+  cases.fault("memb-counts/other-tags", with(parts, kMembershipChunk, kTagsAt, 0x0606, 2));
 
   // Without anything inside: valid, and worth a warning.
   const auto filled = [](std::uint32_t first, std::uint32_t second, std::vector<std::uint8_t> blocks) {

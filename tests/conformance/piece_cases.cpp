@@ -18,7 +18,12 @@ constexpr std::size_t kPieceBytes = 8;
 CellObject with_pieces(std::vector<Piece> pieces, std::uint32_t cells = 3) {
   CellObject object = tiny_object();
   object.tile.cell_count = object.membership.cell_count = cells;
-  object.membership.blocks = {0b01};
+  if (cells > 1) {
+    object.membership.blocks = {0b01};
+  } else {
+    object.membership.entries = {1, 1};
+    object.membership.blocks.clear();
+  }
   object.tile.pieces = std::move(pieces);
   for (std::size_t v = 0; v < 64; ++v)
     object.tile.voxel_ids[v] = std::uint8_t(std::min(v + 1, object.tile.pieces.size()));
@@ -80,10 +85,10 @@ void add_piece_cases_of_rows(CaseList& cases) {
   }};
   for (const auto& [name, homes] : orders)
     cases.fault("piece-order/" + std::string(name), with_homes(homes.first, homes.second));
-  cases.fault("piece-order/cells-changed-places", built(with_pieces({{2, o}, {1, o}, {3, o}})));
-  cases.fault("piece-order/last-cells-changed-places", built(with_pieces({{1, o}, {3, o}, {2, o}})));
+  cases.faults("piece-order/cells-changed-places", built(with_pieces({{2, o}, {1, o}, {3, o}})));
+  cases.faults("piece-order/last-cells-changed-places", built(with_pieces({{1, o}, {3, o}, {2, o}})));
   cases.fault("piece-order/a-cell-once-more", built(with_pieces({{1, o}, {2, o}, {3, o}, {1, {1, 0, 0}}})));
-  cases.fault("piece-order/all-descending", built(with_pieces({{3, o}, {2, o}, {1, o}})));
+  cases.faults("piece-order/all-descending", built(with_pieces({{3, o}, {2, o}, {1, o}})));
   cases.fault("piece-order/all-the-same", built(with_pieces({{1, o}, {1, o}, {1, o}}, 1)));
 
   cases.fault("cell-without-piece/first", built(with_pieces({{2, o}, {2, {1, 0, 0}}, {3, o}})));
@@ -166,8 +171,6 @@ void add_home_cases(CaseList& cases) {
   cases.fault("cell-home/first-of-three", built(with_pieces({{1, {-1, 0, 0}}, {1, o}, {1, {1, 0, 0}}}, 1)));
   // Only where the piece's first voxel is decides, not where its others are.
   CellObject later = with_pieces({{1, {0, 0, -1}}, {1, o}}, 1);
-  later.membership.entries = {1, 1};
-  later.membership.blocks.clear();
   later.tile.voxel_ids.assign(64, 0);
   later.tile.voxel_ids[0] = 1;
   later.tile.voxel_ids[63] = 2;

@@ -14,7 +14,7 @@ using std::to_string;
 /// small() with a chunk of an unknown type, in this version.
 Bytes of_minor(std::uint32_t minor, std::size_t at = 10, std::uint64_t value = 0, unsigned bytes = 2) {
   TestFile parts = small();
-  parts.chunks.push_back({fourcc("NEWS"), 0, 0, 8, bytes_of("a\0chunk!")});
+  parts.chunks.push_back({fourcc("NEWS"), 0, 0, 8, bytes_of("a chunk!")});
   Bytes file = parts.build();
   put(file, 10, minor, 2);
   return patched(file, at, at == 10 ? minor : value, bytes);

@@ -45,7 +45,7 @@ void add_valid_cases(CaseList& cases) {
     }
   }
   cases.valid("zstd/size-in-1", "3.6", framed({.size_bytes = 1}));
-  for (const unsigned window : {0x18u | 7u, 0x60u | 7u, 0x67u, 0x5fu})
+  for (const unsigned window : {0x1fu, 0x5fu, 0x67u})
     cases.valid("zstd/window-" + to_string(window), "3.6",
                 with_text_frame(text, {.single_segment = false, .window = window}));
   // Blocks of zstd are no larger than the window.
@@ -66,7 +66,7 @@ void add_valid_cases(CaseList& cases) {
                         prose += "cell " + to_string(i * i % 97) + " of tile " + to_string(i % 13) + ", ";
                       return prose;
                     }()}});
-  for (const int level : {1, 3, 9, 19, 22}) {
+  for (const int level : {1, 3, 9, 19}) {
     TestFile parts = tiny_with(kTextChunk, mixed);
     compress(parts.chunks.back(), level);
     cases.valid("zstd/library-level-" + to_string(level), "3.6", parts.build());
@@ -211,15 +211,10 @@ void add_data_cases(CaseList& cases) {
   // A last block in the middle leaves the rest of the bytes after the frame.
   cases.fault("zstd-frame/last-block-is-the-first", changed(first, header | 1, 3));
   const Bytes text = text_of(5000);
-  Bytes window = frame(text, {.single_segment = false, .window = 0});
-  TestFile parts = tiny_with(kTextChunk, text);
-  compress_by_hand(parts.chunks.back());
-  parts.chunks.back().stored = window;
-  cases.fault("zstd-data/block-larger-than-the-window", parts.build());
   // A compressed block of zstd, cut and damaged where entropy tables are.
   TestFile library = tiny_with(kTextChunk, text);
   Bytes made = frame(text);
-  Bytes body = bytes_of(std::string_view("\x05\x00\x00\x00\x00", 5));
+  Bytes body = bytes_of(std::string_view("\x05\x00\x00", 3));
   const std::size_t text_header = frame_header_bytes(text);
   library.chunks.back().codec = 1;
   library.chunks.back().block_bytes = 8192;
