@@ -34,12 +34,12 @@ void add_field_cases(CaseList& cases) {
   for (std::size_t chunk = 0; chunk < 5; ++chunk) {
     const std::size_t at = entry_at(chunk);
     const std::string name = std::string(kNames[chunk]) + "-";
-    for (unsigned bit = 1; bit < 16; ++bit)
+    for (unsigned bit = 1; bit < 16; bit += chunk == 0 ? 1 : 4)
       cases.fault("chunk-flags/" + name + to_string(bit), flipped(file, at + 4 + bit / 8, 1u << bit % 8));
-    for (unsigned bit = 16; bit < 32; bit += chunk == 0 ? 1 : 5)
+    for (unsigned bit = 16; bit < 32; bit += chunk == 0 ? 3 : 5)
       cases.fault("extension-nonzero/flag-" + name + to_string(bit),
                   flipped(file, at + 4 + bit / 8, 1u << bit % 8));
-    for (unsigned byte = 0; byte < 8; ++byte) {
+    for (unsigned byte = unsigned(chunk % 2); byte < 8; byte += 2) {
       const unsigned mask = 1u << (byte + chunk) % 8;
       cases.fault("chunk-reserved/" + name + to_string(byte), flipped(file, at + 48 + byte, mask));
       cases.fault("extension-nonzero/byte-" + name + to_string(byte), flipped(file, at + 56 + byte, mask));
@@ -63,19 +63,22 @@ void add_field_cases(CaseList& cases) {
                                                                           {"8388609", 8388609},
                                                                           {"16777216", 16777216},
                                                                           {"sign-bit", 0x80000000}}};
-    for (const auto& [size, number] : sizes)
+    for (const auto& [size, number] : sizes) {
+      if (chunk % 2 == 0 && number != 0 && number != 2048 && number != 16777216) continue;
       cases.fault("block-bytes/" + name + size, patched(file, at + 12, number));
-    for (unsigned byte = 0; byte < 8; ++byte) {
+    }
+    for (unsigned byte = unsigned(chunk % 3); byte < 8; byte += 3) {
       cases.fault("chunk-hash/" + name + "field-" + to_string(byte),
                   flipped(file, at + 40 + byte, 0x80u >> byte));
     }
     const std::uint64_t offset = get(file, at + 16, 8), stored = get(file, at + 24, 8);
-    for (std::uint64_t byte = 0; byte < stored; byte += stored / 12 + 1)
+    for (std::uint64_t byte = 0; byte < stored; byte += stored / 3 + 1)
       cases.fault("chunk-hash/" + name + "damaged-" + to_string(byte),
                   damaged(file, offset + byte, 1u << byte % 8));
     cases.fault("chunk-hash/" + name + "last-byte", damaged(file, offset + stored - 1, 0xff));
     cases.fault("chunk-hash/" + name + "zero", patched(file, at + 40, 0, 8));
-    for (std::uint64_t end = offset + stored, byte = 0; (end + byte) % 64 != 0; ++byte)
+    for (std::uint64_t end = offset + stored, byte = 0; (end + byte) % 64 != 0;
+         byte += (end + byte) % 64 < 60 ? 4 : 1)
       cases.fault("padding-nonzero/" + name + to_string(byte), damaged(file, end + byte, 1u << byte % 8));
     cases.fault("chunk-raw-size/" + name + "one-less", patched(file, at + 32, stored - 1, 8));
     cases.fault("chunk-raw-size/" + name + "one-more", patched(file, at + 32, stored + 1, 8));

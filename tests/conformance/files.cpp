@@ -313,10 +313,10 @@ std::string lower_name(std::uint32_t type) {
 
 void add_chunk_header_cases(CaseList& cases, const TestFile& parts, std::uint32_t type, std::size_t fields) {
   const std::string name = lower_name(type);
-  for (std::size_t bytes = 0; bytes < 64; ++bytes)
+  for (const std::size_t bytes : {0u, 1u, 4u, 16u, 36u, 44u, 63u})
     cases.fault("payload-truncated/" + name + "-header-" + std::to_string(bytes),
                 with_size(parts, type, bytes));
-  for (std::size_t at = fields; at < 64; ++at) {
+  for (std::size_t at = fields; at < 64; at += at < fields + 4 || at >= 60 ? 1 : 4) {
     // Another bit in each byte, so that no reader gets by with looking at one.
     cases.fault("payload-reserved/" + name + "-" + std::to_string(at), with_bit(parts, type, at, at % 8));
   }

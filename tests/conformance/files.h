@@ -100,7 +100,7 @@ struct BadFloat {
 
 class CaseList;
 /// What every chunk with a header has, of `type` in `parts` with fields of `fields` bytes: header cut short
-/// at every byte, a byte that is not zero at every one that is reserved.
+/// at and around its fields, a bit that is not zero in every byte that is reserved.
 void add_chunk_header_cases(CaseList& cases, const TestFile& parts, std::uint32_t type, std::size_t fields);
 /// A stated error at `at`: values from both sides of every bound.
 void add_stated_error_cases(CaseList& cases, const TestFile& parts, std::uint32_t type, std::size_t at,

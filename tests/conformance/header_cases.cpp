@@ -28,7 +28,7 @@ std::uint64_t swapped(std::uint64_t v) {
 
 void add_magic_cases(CaseList& cases) {
   const Bytes file = tiny().build();
-  for (std::size_t bit = 0; bit < 64; ++bit)
+  for (std::size_t bit = 0; bit < 64; bit += bit % 8 == 6 ? 1 : 2)
     cases.fault(with_bit_name("header-magic/bit-", bit), flipped(file, bit / 8, 1u << bit % 8));
   // What programs that take the file for text make of it.
   const auto replaced = [&](std::string_view magic) {
@@ -46,14 +46,14 @@ void add_magic_cases(CaseList& cases) {
   cases.fault("header-magic/text", bytes_of(std::string(200, 'x')));
   cases.fault("header-magic/zeros", Bytes(960));
   cases.fault("header-magic/one-byte-late", sized(Bytes(1) + file, file.size() + 1));
-  for (std::size_t bytes = 0; bytes < 64; ++bytes)
+  for (std::size_t bytes = 0; bytes < 64; bytes += bytes < 9 || bytes > 60 ? 1 : 4)
     cases.fault("header-truncated/" + to_string(bytes),
                 Bytes(file.begin(), file.begin() + std::ptrdiff_t(bytes)));
 }
 
 void add_hash_cases(CaseList& cases) {
   const Bytes file = tiny().build();
-  for (std::size_t bit = 0; bit < 64; ++bit)
+  for (std::size_t bit = 0; bit < 64; bit += 5)
     cases.fault(with_bit_name("header-hash/bit-", bit), damaged(file, 56 + bit / 8, 1u << bit % 8));
   const std::uint64_t hash = get(file, 56, 8);
   const std::span bytes(file);
@@ -95,7 +95,7 @@ void add_size_cases(CaseList& cases) {
     cases.fault("file-size/stated-" + std::string(name), patched(file, 16, value, 8));
   for (const std::size_t cut : {1u, 2u, 62u, 63u, 64u, 255u, 256u, 447u, 448u, 512u})
     cases.faults("file-size/cut-by-" + to_string(cut), Bytes(file.begin(), file.end() - std::ptrdiff_t(cut)));
-  for (const std::size_t more : {1u, 64u, 4096u}) {
+  for (const std::size_t more : {1u, 64u, 1024u}) {
     Bytes longer = file;
     longer.resize(file.size() + more);
     cases.faults("file-size/longer-by-" + to_string(more), longer);
@@ -129,14 +129,14 @@ void add_count_cases(CaseList& cases) {
 
   for (unsigned bit = 0; bit < 32; ++bit)
     cases.fault(with_bit_name("header-flags/bit-", bit), flipped(file, 28 + bit / 8, 1u << bit % 8));
-  for (unsigned bit = 0; bit < 64; ++bit)
+  for (unsigned bit = 0; bit < 64; bit += 5)
     cases.fault(with_bit_name("header-reserved/bit-", bit), flipped(file, 40 + bit / 8, 1u << bit % 8));
-  for (unsigned bit = 0; bit < 64; ++bit)
+  for (unsigned bit = 0; bit < 64; bit += 5)
     cases.fault(with_bit_name("extension-nonzero/header-bit-", bit),
                 flipped(file, 48 + bit / 8, 1u << bit % 8));
 
   // Header, asset table and directory end at 320; the header's size is that of the file.
-  for (std::size_t bytes = 64; bytes < 320; bytes += 8)
+  for (std::size_t bytes = 64; bytes < 320; bytes += 16)
     cases.fault("directory-truncated/" + to_string(bytes), sized(file, bytes));
   for (const std::size_t bytes : {65u, 127u, 129u, 191u, 193u, 255u, 257u, 319u})
     cases.fault("directory-truncated/" + to_string(bytes), sized(file, bytes));
@@ -156,7 +156,7 @@ void add_directory_hash_cases(CaseList& cases) {
   };
   const std::uint64_t hash = get(file, 32, 8);
   const std::span bytes(file);
-  for (unsigned bit = 0; bit < 64; ++bit)
+  for (unsigned bit = 0; bit < 64; bit += 5)
     cases.fault(with_bit_name("directory-hash/bit-", bit), with_hash(hash ^ 1ull << bit));
   cases.fault("directory-hash/zero", with_hash(0));
   cases.fault("directory-hash/big-endian", with_hash(swapped(hash)));

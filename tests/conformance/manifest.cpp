@@ -100,8 +100,15 @@ Rule read_rule(JsonReader& in) {
   return rule;
 }
 
+/// What most files are reported for; other reports are written out.
+std::vector<std::string> usual_report(const Entry& entry) {
+  if (entry.issue.empty()) return {};
+  return {entry.issue};
+}
+
 Entry read_entry(JsonReader& in) {
   Entry entry;
+  bool has_report = false;
   const std::map<std::string, std::string*> fields = {{"path", &entry.path},     {"verdict", &entry.verdict},
                                                       {"clause", &entry.clause}, {"issue", &entry.issue},
                                                       {"xxh64", &entry.xxh64},   {"digest", &entry.digest}};
@@ -109,6 +116,7 @@ Entry read_entry(JsonReader& in) {
     if (key == "bytes") {
       entry.bytes = in.number();
     } else if (key == "report") {
+      has_report = true;
       in.array([&] { entry.report.push_back(in.string()); });
     } else if (const auto at = fields.find(key); at != fields.end()) {
       *at->second = in.string();
@@ -116,6 +124,7 @@ Entry read_entry(JsonReader& in) {
       in.fail("another key than " + key);
     }
   });
+  if (!has_report) entry.report = usual_report(entry);
   return entry;
 }
 
@@ -140,7 +149,7 @@ std::string to_json(const Manifest& manifest) {
             ", \"xxh64\": " + quoted(entry.xxh64) + ", \"verdict\": " + quoted(entry.verdict) +
             ", \"clause\": " + quoted(entry.clause);
     if (!entry.issue.empty()) json += ", \"issue\": " + quoted(entry.issue);
-    if (!entry.report.empty()) {
+    if (entry.report != usual_report(entry)) {
       json += ", \"report\": [";
       for (const std::string& id : entry.report)
         json += (&id == &entry.report.front() ? "" : ", ") + quoted(id);

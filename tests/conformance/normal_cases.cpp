@@ -29,10 +29,10 @@ void add_normal_cases(CaseList& cases) {
   cases.valid("norm/24", "4.8", parts.build());
   add_chunk_header_cases(cases, parts, kNormalChunk, 8);
   add_stated_error_cases(cases, parts, kNormalChunk, 4, "4.8");
-  for (unsigned bit = 0; bit < 32; ++bit)
+  for (unsigned bit = 0; bit < 32; bit += 3)
     cases.fault("normal-encoding/bit-" + to_string(bit), with_bit(parts, kNormalChunk, 0, bit));
   cases.fault("normal-encoding/all-ones", with(parts, kNormalChunk, 0, 0xffffffff));
-  for (std::size_t i = 0; i < 48; ++i) {
+  for (std::size_t i = 0; i < 48; i += i < 4 || i > 44 ? 1 : 4) {
     cases.fault("normal-code/byte-" + to_string(i), with(parts, kNormalChunk, 64 + i, 253 + i % 3, 1));
     if (i % 8 == 0)
       cases.valid("norm/greatest-at-" + to_string(i), "4.8",
@@ -41,7 +41,7 @@ void add_normal_cases(CaseList& cases) {
   cases.fault("normal-code/all", edited(parts, kNormalChunk, [](Bytes& bytes) {
                 std::fill(bytes.begin() + 64, bytes.end(), std::byte{0xff});
               }));
-  for (std::size_t bytes = 64; bytes < right; bytes += bytes < 70 || bytes > 105 ? 1 : 5)
+  for (std::size_t bytes = 64; bytes < right; bytes += bytes < 67 || bytes > 108 ? 1 : 7)
     cases.fault("payload-truncated/norm-" + to_string(bytes), with_size(parts, kNormalChunk, bytes));
   for (const std::size_t more : {1u, 2u, 3u, 4u, 64u})
     cases.fault("payload-trailing/norm-" + to_string(right + more),
@@ -67,7 +67,7 @@ void add_normal_cases(CaseList& cases) {
   cases.valid("norm/around-an-empty-voxel", "4.8", with_normals(corners).build());
   CellObject many = many_cells_object(200);
   cases.valid("norm/200-cells", "4.8", with_normals(many).build());
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const CellObject object =
         random_object(seed, {.resolution = {7, 6, 5}, .cells = 3, .block = 3, .texts = 0});
     const TestFile random = with_normals(object);

@@ -62,7 +62,7 @@ void add_piece_cases_of_rows(CaseList& cases) {
                }));
   for (std::size_t piece = 0; piece < 5; ++piece) {
     for (std::size_t byte = 5; byte < 8; ++byte) {
-      for (const unsigned bit : {0u, 3u, 7u})
+      for (const unsigned bit : {0u, 7u})
         cases.fault("piece-reserved/" + to_string(piece) + "-" + to_string(byte) + "-" + to_string(bit),
                     with_bit(parts, kTileChunk, kPiecesAt + kPieceBytes * piece + byte, bit));
     }
@@ -101,7 +101,7 @@ void add_piece_cases_of_rows(CaseList& cases) {
 }
 
 void add_id_cases(CaseList& cases) {
-  for (std::size_t v = 0; v < 64; ++v)
+  for (std::size_t v = 0; v < 64; v += 9)
     cases.fault("voxel-id/4-of-3-at-" + to_string(v), with(tiny(), kTileChunk, kIdsAt + v, 4, 1));
   for (const unsigned id : {5u, 127u, 128u, 255u})
     cases.fault("voxel-id/" + to_string(id) + "-of-3", with(tiny(), kTileChunk, kIdsAt + 21, id, 1));
@@ -111,7 +111,7 @@ void add_id_cases(CaseList& cases) {
   TestFile wide = TestFile::of(many_cells_object(256));
   wide.chunks.pop_back();
   const std::size_t ids = 64 + 256 * kPieceBytes;
-  for (const unsigned id : {257u, 512u, 0x8001u, 0xff00u, 0xffffu}) {
+  for (const unsigned id : {257u, 512u, 0x8001u}) {
     cases.fault("voxel-id/" + to_string(id) + "-of-256", with(wide, kTileChunk, ids + 2 * 255, id, 2));
     cases.fault("voxel-id/" + to_string(id) + "-of-256-first", with(wide, kTileChunk, ids, id, 2));
   }
@@ -142,7 +142,7 @@ void add_home_cases(CaseList& cases) {
   // Cell 2: a piece that is before the home along an axis lies behind in the tile, and the reverse.
   for (std::size_t a = 0; a < 3; ++a) {
     const std::string axis(1, "xyz"[a]);
-    for (const int by : {-128, -127, -2, -1, 1, 2, 127}) {
+    for (const int by : {-128, -1, 1, 127}) {
       std::array<std::int8_t, 3> home = o;
       home[a] = std::int8_t(by);
       // The tile that holds the piece is before the home tile if `home` is above zero.

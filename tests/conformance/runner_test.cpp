@@ -36,7 +36,7 @@ Outcome run_with(const std::string& command, bool ids = false, const std::string
   ::signal(SIGPIPE, SIG_IGN);
   std::ostringstream out;
   const int status =
-      run(manifest(), {command, "/tmp/nowhere", only, ids, std::chrono::milliseconds(400)}, out);
+      run(manifest(), {command, "/tmp/nowhere", only, ids, std::chrono::milliseconds(250)}, out);
   return {status, out.str()};
 }
 

@@ -98,7 +98,7 @@ void add_count_cases(CaseList& cases) {
   cases.fault("payload-truncated/tile-pieces-without-padding", edited(tiny(), kTileChunk, [](Bytes& tile) {
                 tile.erase(tile.begin() + 88, tile.begin() + 128);
               }));
-  for (std::size_t at = 88; at < 128; ++at)
+  for (std::size_t at = 88; at < 128; at += at < 92 || at > 122 ? 1 : 4)
     cases.fault("payload-padding/tile-" + to_string(at), with_bit(tiny(), kTileChunk, at, at % 8));
   // 8 pieces end at a multiple of 64, and 9 do not.
   for (const std::uint32_t cells : {8u, 9u}) {
@@ -155,7 +155,7 @@ void add_tile_cases(CaseList& cases) {
   add_resolution_cases(cases);
   add_count_cases(cases);
   add_big_cases(cases);
-  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     TestFile parts = TestFile::of(random_small_object(seed));
     if (seed % 2 == 0)
       for (TestChunk& c : parts.chunks) pack(c);

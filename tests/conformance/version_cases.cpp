@@ -28,14 +28,14 @@ void add_later_minor_cases(CaseList& cases) {
   Bytes plain = tiny().build();
   cases.valid("version/1-1-and-nothing-new", "5", patched(plain, 10, 1, 2), "version-newer");
   // All that may be set in a later minor version, one by one and at once.
-  for (unsigned byte = 0; byte < 8; ++byte) {
+  for (unsigned byte = 0; byte < 8; byte += 7) {
     cases.valid("version/header-byte-" + to_string(byte), "5", newer(48 + byte, 0x81, 1), "version-newer");
     cases.valid("version/asset-byte-" + to_string(byte), "5", newer(kAssetAt + 56 + byte, 0x81, 1),
                 "version-newer");
     cases.valid("version/entry-byte-" + to_string(byte), "5", newer(entry_at(1) + 56 + byte, 0x81, 1),
                 "version-newer");
   }
-  for (unsigned bit = 16; bit < 32; ++bit) {
+  for (unsigned bit = 16; bit < 32; bit += 5) {
     cases.valid("version/asset-flag-" + to_string(bit), "5", newer(kAssetAt + 4, 1u << bit), "version-newer");
     cases.valid("version/chunk-flag-" + to_string(bit), "5", newer(entry_at(0) + 4, 1 | 1u << bit),
                 "version-newer");

@@ -1,13 +1,20 @@
-// Writes the suite: mesocell_conformance_files FOLDER. See README.md: what was published is never written
-// again.
+// Adds to the suite what is not in it yet: mesocell_conformance_files FOLDER. See README.md: what is there
+// stays.
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <iterator>
+#include <set>
 #include <stdexcept>
 
 #include "tests/conformance/suite.h"
 
 namespace {
+
+std::string read(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
 
 void write(const std::filesystem::path& path, std::string_view bytes) {
   std::filesystem::create_directories(path.parent_path());
@@ -27,16 +34,23 @@ int main(int count, char** arguments) try {
   }
   const std::filesystem::path folder = arguments[1];
   const auto cases = test::conformance_cases();
-  const conformance::Manifest manifest = test::manifest_of(cases);
-  std::size_t bytes = 0;
+  conformance::Manifest manifest = test::manifest_of(cases);
+  // Entries of files that are there are kept as they are, also those that no case makes any more.
+  conformance::Manifest there;
+  if (std::filesystem::exists(folder / "manifest.json"))
+    there = conformance::parse_manifest(read(folder / "manifest.json"));
+  std::set<std::string> paths;
+  for (const conformance::Entry& entry : there.files) paths.insert(entry.path);
+  std::size_t added = 0;
   for (const test::Case& c : cases) {
-    if (!test::is_file(c)) continue;
+    if (!test::is_file(c) || paths.count(test::path_of(c)) > 0) continue;
     write(folder / test::path_of(c), {reinterpret_cast<const char*>(c.bytes.data()), c.bytes.size()});
-    bytes += c.bytes.size();
+    ++added;
   }
+  std::erase_if(manifest.files, [&](const conformance::Entry& entry) { return paths.count(entry.path) > 0; });
+  manifest.files.insert(manifest.files.begin(), there.files.begin(), there.files.end());
   write(folder / "manifest.json", to_json(manifest));
-  std::cout << manifest.files.size() << " files of " << bytes << " bytes; "
-            << cases.size() - manifest.files.size() << " cases are too large or have limits of their own\n";
+  std::cout << there.files.size() << " files stay, " << added << " are added\n";
   return 0;
 } catch (const std::exception& error) {
   std::cerr << error.what() << '\n';
