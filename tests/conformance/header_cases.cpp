@@ -127,6 +127,11 @@ void add_count_cases(CaseList& cases) {
   for (const auto& [name, count] : chunks)
     cases.fault("chunk-count/" + std::string(name), patched(file, 24, count));
 
+  // Neither assets nor chunks, and so no asset without a chunk.
+  Bytes nothing = sized(file, 64);
+  put(nothing, 12, 0);
+  cases.faults("chunk-count/nothing-in-the-file", patched(nothing, 24, 0));
+
   for (unsigned bit = 0; bit < 32; ++bit)
     cases.fault(with_bit_name("header-flags/bit-", bit), flipped(file, 28 + bit / 8, 1u << bit % 8));
   for (unsigned bit = 0; bit < 64; bit += 5)

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "format/fourcc.h"
+#include "format/hash.h"
 #include "tests/conformance/cases.h"
 #include "tests/conformance/files.h"
 
@@ -100,6 +101,21 @@ void add_bounds_cases(CaseList& cases) {
   for (const std::size_t beyond : {1u, 2u, 44u, 63u, 64u, 65u, 4096u})
     cases.fault("chunk-bounds/frame-" + to_string(beyond) + "-beyond",
                 patched(frame_file, last + 24, room + beyond, 8));
+  // A chunk whose end in 64 bits is where GRID begins, and one that covers the file from there.
+  TestFile wrapping = tiny_with(fourcc("AAAA"), {});
+  wrapping.chunks.push_back({fourcc("BBBB"), 0, 0, 64, Bytes(64)});
+  Bytes wrapped = wrapping.build();
+  const std::uint64_t grid = get(wrapped, entry_at(0) + 16, 8), at = get(wrapped, entry_at(3) + 16, 8);
+  put(wrapped, entry_at(3) + 8, 1);
+  put(wrapped, entry_at(3) + 12, 8388608);
+  put(wrapped, entry_at(3) + 24, grid - at, 8);
+  put(wrapped, entry_at(3) + 32, ~0ull, 8);
+  put(wrapped, entry_at(4) + 12, 8388608);
+  put(wrapped, entry_at(4) + 16, grid, 8);
+  put(wrapped, entry_at(4) + 24, wrapped.size() - grid, 8);
+  put(wrapped, entry_at(4) + 32, wrapped.size() - grid, 8);
+  cases.faults("chunk-bounds/end-wraps-to-the-first-chunk",
+               patched(wrapped, entry_at(4) + 40, hash64(std::span(wrapped).subspan(grid)), 8));
   // The file ends in the padding.
   const std::size_t end = offset + get(file, last + 24, 8);
   for (std::size_t size = end; size < file.size(); size += size % 64 < 60 ? 4 : 1)

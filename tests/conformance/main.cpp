@@ -1,6 +1,7 @@
 // conformance --reader COMMAND [--manifest FILE] [--only PREFIX] [--ids] [--timeout SECONDS]: see README.md.
 #include <signal.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>

@@ -73,6 +73,19 @@ void add_field_cases(CaseList& cases) {
                   put(memb, 32, mixed);
                   memb.resize(kTagsAt + mixed, std::byte{0b1001});
                 }));
+  // Counted as those readers would count that believe the number.
+  cases.fault("memb-mixed-count/2-with-their-instances", edited(tiny(), kMembershipChunk, [&](Bytes& memb) {
+                put(memb, 8, in + 1, 8);
+                put(memb, 24, cut + 1, 8);
+                put(memb, 32, 2);
+                memb.push_back(std::byte{0b1001});
+              }));
+  cases.fault("memb-mixed-count/0-with-their-instances", edited(tiny(), kMembershipChunk, [&](Bytes& memb) {
+                put(memb, 8, in - 1, 8);
+                put(memb, 24, cut - 1, 8);
+                put(memb, 32, 0);
+                memb.pop_back();
+              }));
   for (const std::uint32_t mixed : {2u, 257u, 65537u, 0x01000000u, 0x80000001u, 0xffffffffu})
     cases.fault("payload-truncated/memb-mixed-" + to_string(mixed), with_memb(32, mixed));
   cases.faults("memb-mixed-count/zero", with_memb(32, 0));
@@ -190,6 +203,20 @@ void add_tag_cases(CaseList& cases) {
     for (unsigned bit = 2 * (cells % 4); bit % 8 != 0; ++bit)
       cases.fault("memb-unused-bits/" + name + "-bit-" + to_string(bit),
                   with_bit(parts, kMembershipChunk, kTagsAt + tag_bytes - 1, bit));
+    // The second cell is OUTSIDE: 3 has the bits of both others.
+    cases.fault("memb-tag/" + name + "-counted-as-both", edited(parts, kMembershipChunk, [&](Bytes& memb) {
+                  put(memb, kTagsAt, get(memb, kTagsAt, 1) | 3u << 2, 1);
+                  put(memb, 8, get(memb, 8, 8) + 1, 8);
+                  put(memb, 16, get(memb, 16, 8) - 2, 8);
+                  put(memb, 24, get(memb, 24, 8) + 1, 8);
+                }));
+    if (cells % 4 != 0)
+      cases.fault("memb-unused-bits/" + name + "-counted", edited(parts, kMembershipChunk, [&](Bytes& memb) {
+                    const std::size_t last = kTagsAt + tag_bytes - 1;
+                    put(memb, last, get(memb, last, 1) | 0x40, 1);
+                    put(memb, 8, get(memb, 8, 8) + 1, 8);
+                    put(memb, 16, get(memb, 16, 8) - 1, 8);
+                  }));
     for (unsigned tag = 0; tag < 3; ++tag) {
       CellObject object = many_cells_object(cells);
       for (std::uint32_t cell = 0; cell < cells; ++cell) {

@@ -70,34 +70,40 @@ void add_piece_cases_of_rows(CaseList& cases) {
   // Order: by cell, then home z, y, x; homes have signs.
   using Home = std::array<std::int8_t, 3>;
   constexpr Home o = {0, 0, 0};
-  const std::array<std::pair<const char*, std::pair<Home, Home>>, 11> orders = {{
-      {"same", {o, o}},
-      {"x-descending", {{1, 0, 0}, o}},
-      {"y-descending", {{0, 1, 0}, o}},
-      {"z-descending", {{0, 0, 1}, o}},
-      {"x-as-unsigned", {o, {-1, 0, 0}}},
-      {"y-as-unsigned", {o, {0, -1, 0}}},
-      {"z-as-unsigned", {o, {0, 0, -1}}},
-      {"x-before-y", {{0, 1, 0}, {1, 0, 0}}},
-      {"x-before-z", {{0, 0, 1}, {1, 0, 0}}},
-      {"y-before-z", {{0, 0, 1}, {0, 1, 0}}},
-      {"greatest-before-least", {{127, 0, 0}, {-128, 0, 0}}},
+  cases.fault("piece-cell/zero-at-home", built(with_pieces({{0, o}, {1, o}, {2, o}, {3, o}})));
+  // Of cell 2, and none of them before the piece at home: the home rule is kept.
+  const std::array<std::pair<const char*, std::array<Home, 3>>, 11> orders = {{
+      {"same", {{{-1, 0, 0}, {-1, 0, 0}, o}}},
+      {"x-descending", {{{-1, 0, 0}, {-2, 0, 0}, o}}},
+      {"y-descending", {{{0, -1, 0}, {0, -2, 0}, o}}},
+      {"z-descending", {{{0, 0, -1}, {0, 0, -2}, o}}},
+      {"x-as-unsigned", {{{-2, 0, 0}, o, {-1, 0, 0}}}},
+      {"y-as-unsigned", {{{0, -2, 0}, o, {0, -1, 0}}}},
+      {"z-as-unsigned", {{{0, 0, -2}, o, {0, 0, -1}}}},
+      {"x-before-y", {{{-3, -1, 0}, {-2, -2, 0}, o}}},
+      {"x-before-z", {{{-3, 0, -1}, {-2, 0, -2}, o}}},
+      {"y-before-z", {{{0, -3, -1}, {0, -2, -2}, o}}},
+      {"greatest-before-least", {{{127, -1, 0}, {-128, -1, 0}, o}}},
   }};
   for (const auto& [name, homes] : orders)
-    cases.fault("piece-order/" + std::string(name), with_homes(homes.first, homes.second));
+    cases.fault("piece-order/" + std::string(name),
+                built(with_pieces({{1, o}, {2, homes[0]}, {2, homes[1]}, {2, homes[2]}, {3, o}})));
+  cases.fault("piece-order/at-home-twice", with_homes(o, o));
+  cases.fault("piece-order/cells-in-turns", built(with_pieces({{1, o}, {2, o}, {1, o}, {2, o}}, 2)));
   cases.faults("piece-order/cells-changed-places", built(with_pieces({{2, o}, {1, o}, {3, o}})));
   cases.faults("piece-order/last-cells-changed-places", built(with_pieces({{1, o}, {3, o}, {2, o}})));
-  cases.fault("piece-order/a-cell-once-more", built(with_pieces({{1, o}, {2, o}, {3, o}, {1, {1, 0, 0}}})));
+  cases.fault("piece-order/a-cell-once-more", built(with_pieces({{1, o}, {2, o}, {3, o}, {1, o}})));
   cases.faults("piece-order/all-descending", built(with_pieces({{3, o}, {2, o}, {1, o}})));
   cases.fault("piece-order/all-the-same", built(with_pieces({{1, o}, {1, o}, {1, o}}, 1)));
 
-  cases.fault("cell-without-piece/first", built(with_pieces({{2, o}, {2, {1, 0, 0}}, {3, o}})));
-  cases.fault("cell-without-piece/second", built(with_pieces({{1, o}, {1, {1, 0, 0}}, {3, o}})));
-  cases.fault("cell-without-piece/last", built(with_pieces({{1, o}, {2, o}, {2, {1, 0, 0}}})));
+  constexpr Home before = {-1, 0, 0};
+  cases.fault("cell-without-piece/first", built(with_pieces({{2, before}, {2, o}, {3, o}})));
+  cases.fault("cell-without-piece/second", built(with_pieces({{1, before}, {1, o}, {3, o}})));
+  cases.fault("cell-without-piece/last", built(with_pieces({{1, o}, {2, before}, {2, o}})));
   cases.fault("cell-without-piece/all-but-the-last",
-              built(with_pieces({{3, {-1, 0, 0}}, {3, o}, {3, {1, 0, 0}}})));
+              built(with_pieces({{3, {-2, 0, 0}}, {3, before}, {3, o}})));
   cases.fault("cell-without-piece/all-but-the-first",
-              built(with_pieces({{1, {-1, 0, 0}}, {1, o}, {1, {1, 0, 0}}})));
+              built(with_pieces({{1, {-2, 0, 0}}, {1, before}, {1, o}})));
 }
 
 void add_id_cases(CaseList& cases) {

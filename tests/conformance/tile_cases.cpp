@@ -66,6 +66,14 @@ void add_resolution_cases(CaseList& cases) {
 void add_count_cases(CaseList& cases) {
   for (const std::uint32_t count : {0u, 65536u, 65537u, 65538u, 0x02000000u, 0x80000002u, 0xffffffffu})
     cases.fault("tile-cell-count/" + to_string(count), with_tile(kCellCountAt, count));
+  // No cell, no piece, no voxel, and a membership of none.
+  cases.faults("tile-cell-count/really-0", [] {
+    CellObject object = solid_object({4, 4, 4}, {2, 1, 1});
+    object.tile.cell_count = object.membership.cell_count = 0;
+    object.tile.pieces.clear();
+    object.tile.voxel_ids.assign(64, 0);
+    return packed(object);
+  }());
   for (const std::uint32_t count : {0u, 1u, 65u, 259u, 65539u, 0x03000000u, 0x80000003u, 0xffffffffu})
     cases.fault("tile-piece-count/" + to_string(count), with_tile(kPieceCountAt, count));
   cases.fault("tile-piece-count/fewer-than-cells", with_tile(kCellCountAt, 4));

@@ -106,6 +106,17 @@ void add_frame_cases(CaseList& cases) {
     cases.fault("zstd-frame/dictionary-seven-in-" + to_string(id_bytes),
                 framed({.dictionary_id = bytes_of("\x07") + Bytes(id_bytes - 1)}));
   }
+  // A reader that does not know of dictionaries reads the zeros of the id as the size, and is right.
+  for (const std::size_t id_bytes : {1u, 2u, 4u})
+    cases.fault("zstd-frame/dictionary-zero-of-256-bytes-in-" + to_string(id_bytes),
+                with_text_frame(text_of(256), {.dictionary_id = Bytes(id_bytes)}));
+  // One that does not know that the size may be missing reads the block's header for it.
+  const Bytes payload = tile();
+  Bytes misread =
+      bytes_of(std::string_view("\x28\xb5\x2f\xfd\x00\x18\xc0\x00\x00", 9)) + std::span(payload).first(24);
+  const Bytes rest = frame(std::span(payload).subspan(24), {.size_bytes = 1});
+  cases.fault("zstd-frame/no-content-size-but-a-byte-like-it",
+              with_tile_stored(misread + std::span(rest).subspan(6)));
   // Without content size: 0x20 makes it a single segment, and a window follows if it is none.
   Bytes unsized_frame = frame(tile(), {.size_bytes = 1});
   put(unsized_frame, 4, 0, 1);
