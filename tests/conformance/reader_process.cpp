@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -16,6 +17,8 @@ namespace mesocell::conformance {
 namespace {
 
 constexpr std::size_t kLongestLine = 4096;
+/// After so long without an answer it is time to see whether the reader is still there.
+constexpr std::chrono::milliseconds kGlance(100);
 
 std::runtime_error system_failure(const char* what) {
   return std::runtime_error(std::string(what) + ": " + std::strerror(errno));
@@ -70,19 +73,19 @@ ReaderProcess::Reply ReaderProcess::fail(const std::string& what) {
   return {false, what};
 }
 
+bool ReaderProcess::has_ended() {
+  if (process_ <= 0 || ::waitpid(process_, &status_, WNOHANG) != process_) return false;
+  ::kill(-process_, SIGKILL);  // what it left behind
+  process_ = -1;
+  return true;
+}
+
 std::string ReaderProcess::end_of_process() {
-  // Its output is closed; a moment is enough for its status, and one that lives on does not count.
-  int status = 0;
-  for (int i = 0; i < 100; ++i) {
-    if (::waitpid(process_, &status, WNOHANG) == process_) {
-      ::kill(-process_, SIGKILL);  // what it left behind
-      process_ = -1;
-      if (WIFSIGNALED(status)) return "it was ended by signal " + std::to_string(WTERMSIG(status));
-      return "it ended with status " + std::to_string(WEXITSTATUS(status));
-    }
-    ::poll(nullptr, 0, 10);
-  }
-  return "it closed its output";
+  // A moment is enough for its status; one that lives on has closed its output alone.
+  for (int i = 0; i < 100 && process_ > 0 && !has_ended(); ++i) ::poll(nullptr, 0, 10);
+  if (process_ > 0) return "it closed its output";
+  if (WIFSIGNALED(status_)) return "it was ended by signal " + std::to_string(WTERMSIG(status_));
+  return "it ended with status " + std::to_string(WEXITSTATUS(status_));
 }
 
 bool ReaderProcess::wait(int descriptor, short events, Clock::time_point until) {
@@ -98,7 +101,10 @@ bool ReaderProcess::wait(int descriptor, short events, Clock::time_point until) 
 
 ReaderProcess::Reply ReaderProcess::ask(const std::string& line, std::chrono::milliseconds time) {
   const auto until = Clock::now() + time;
-  if (process_ < 0) start();
+  if (process_ < 0) {
+    stop();  // the pipes of one that has ended after its last answer
+    start();
+  }
   std::array<char, 512> buffer{};
   if (::read(from_, buffer.data(), buffer.size()) > 0) return fail("it wrote before it was asked");
 
@@ -115,7 +121,12 @@ ReaderProcess::Reply ReaderProcess::ask(const std::string& line, std::chrono::mi
   }
   std::string answer;
   for (;;) {
-    if (!wait(from_, POLLIN, until)) return fail("it did not answer in time");
+    if (!wait(from_, POLLIN, std::min(until, Clock::now() + kGlance))) {
+      if (Clock::now() >= until) return fail("it did not answer in time");
+      // What it started may hold its output open; what it wrote itself is there by now.
+      if (has_ended() && !wait(from_, POLLIN, Clock::now() + kGlance)) return fail(end_of_process());
+      continue;
+    }
     const ssize_t count = ::read(from_, buffer.data(), buffer.size());
     if (count < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (count <= 0) return fail(end_of_process() + (answer.empty() ? "" : " in the middle of a line"));

@@ -31,7 +31,9 @@ class ReaderProcess {
   using Clock = std::chrono::steady_clock;
   void start();
   Reply fail(const std::string& what);
-  /// What became of the process that has closed its output.
+  /// Whether the process is no more; if so, what it started is ended.
+  bool has_ended();
+  /// What became of the process that has ended or closed its output.
   std::string end_of_process();
   /// Waits for a descriptor; false if the time is up.
   static bool wait(int descriptor, short events, Clock::time_point until);
@@ -39,6 +41,7 @@ class ReaderProcess {
   std::string command_;
   pid_t process_ = -1;
   int to_ = -1, from_ = -1;
+  int status_ = 0;  ///< of the process that has ended
 };
 
 }  // namespace mesocell::conformance
