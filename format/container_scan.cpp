@@ -304,7 +304,8 @@ bool charge_asset(const ContainerScan& scan, std::size_t asset, MemoryBudget& bu
   const AssetInfo& info = scan.assets[asset];
   for (std::size_t i = 0; i < info.chunk_count; ++i) {
     const ChunkInfo& chunk = scan.chunks[info.first_chunk + i];
-    if (budget.charge(chunk.decoded_bytes)) continue;
+    // What an unusable chunk states is not going to be allocated.
+    if (!scan.usable[info.first_chunk + i] || budget.charge(chunk.decoded_bytes)) continue;
     sink.add(IssueId::kLimitExceeded, std::nullopt, chunk.type,
              "the chunks of the asset decode to more bytes than the limit");
     return false;

@@ -97,7 +97,7 @@ struct ContainerScan {
 /// Checks which chunks an asset has, by its representation's rules. [spec 3.3, 4] False if that is unknown.
 [[nodiscard]] bool scan_asset(const ContainerScan& scan, std::size_t asset, IssueSink& sink);
 
-/// Takes the decoded bytes of the asset's chunks from the budget; reports if that does not allow it.
+/// Takes the decoded bytes of the asset's usable chunks from the budget; reports if that does not allow it.
 [[nodiscard]] bool charge_asset(const ContainerScan& scan, std::size_t asset, MemoryBudget& budget,
                                 IssueSink& sink);
 

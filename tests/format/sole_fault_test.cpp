@@ -15,24 +15,6 @@ using namespace mesocell::test;
 /// that rule, nothing else would stop the file.
 namespace {
 
-TestFile parts_of(const CellObject& object) {
-  TestFile parts;
-  parts.representation = kCellObjectRepresentation;
-  const auto add = [&](std::uint32_t type, const Bytes& bytes) {
-    const bool critical = type == kGridChunk || type == kTileChunk || type == kMembershipChunk;
-    parts.chunks.push_back({type, critical ? 1u : 0u, 0, bytes.size(), bytes, 1u << 20});
-  };
-  add(kGridChunk, encode_grid(object.grid));
-  add(kTileChunk, encode_tile(object.tile));
-  add(kMembershipChunk, encode_membership(object.membership));
-  if (object.color) add(kColorChunk, encode_color(*object.color));
-  if (object.cell_colors) add(kCellColorChunk, encode_colors(*object.cell_colors));
-  if (object.instance_colors) add(kInstanceColorChunk, encode_colors(*object.instance_colors));
-  if (object.normals) add(kNormalChunk, encode_normals(*object.normals));
-  add(kTextChunk, encode_text(object.metadata));
-  return parts;
-}
-
 /// The walk-through's object with a tile of this resolution and the grid of these tiles, all INSIDE.
 CellObject resized(const Index3& resolution, const Index3& tiles) {
   CellObject object = walkthrough_object();
@@ -57,12 +39,12 @@ void check_sole_fault(const Bytes& file, const std::string& id) {
 }
 
 void check_sole_fault(const CellObject& object, const std::string& id) {
-  check_sole_fault(parts_of(object).build(), id);
+  check_sole_fault(TestFile::of(object).build(), id);
 }
 
 /// The walk-through with one chunk's payload changed.
 Bytes edited(std::uint32_t type, const std::function<void(Bytes&)>& edit) {
-  TestFile parts = parts_of(walkthrough_object());
+  TestFile parts = TestFile::of(walkthrough_object());
   Bytes payload = parts.payload(type);
   edit(payload);
   parts.set_payload(type, payload);
@@ -71,7 +53,7 @@ Bytes edited(std::uint32_t type, const std::function<void(Bytes&)>& edit) {
 
 /// The walk-through with its TILE in this frame, which zstd itself decodes.
 Bytes framed(const std::function<Bytes(const Bytes&)>& frame) {
-  TestFile parts = parts_of(walkthrough_object());
+  TestFile parts = TestFile::of(walkthrough_object());
   TestChunk& tile = parts.chunk(kTileChunk);
   tile.codec = 1;
   tile.stored = frame(tile.stored);
@@ -86,14 +68,14 @@ Bytes operator+(Bytes a, const Bytes& b) {
 }  // namespace
 
 TEST_CASE("format: a sole fault of the container is found") {
-  TestFile many = parts_of(walkthrough_object());
+  TestFile many = TestFile::of(walkthrough_object());
   for (std::uint32_t i = 0; i < 4092; ++i) many.chunks.push_back({0x80000000 + i, 0, 0, 0, {}});
   CHECK(verdicts(many.build()).reader);
   many.chunks.push_back({0x70000000, 0, 0, 0, {}});
   check_sole_fault(many.build(), "chunk-count");
 
   // Entries that change places still cover the file, but not in order.
-  Bytes swapped = parts_of(walkthrough_object()).build();
+  Bytes swapped = TestFile::of(walkthrough_object()).build();
   std::swap_ranges(swapped.begin() + entry_at(0), swapped.begin() + entry_at(1), swapped.begin() + entry_at(1));
   reseal_directory(swapped);
   const Verdicts v = verdicts(swapped);
@@ -116,7 +98,7 @@ TEST_CASE("format: a frame that zstd decodes and the format does not allow is fo
 }
 
 TEST_CASE("format: a sole fault of GRID or TILE is found") {
-  CHECK(verdicts(parts_of(resized({4, 1024, 5}, {7, 5, 3})).build()).reader);
+  CHECK(verdicts(TestFile::of(resized({4, 1024, 5}, {7, 5, 3})).build()).reader);
   for (std::size_t a = 0; a < 3; ++a) {
     for (const std::uint32_t r : {3u, 1025u}) {
       Index3 resolution = {4, 4, 4};
@@ -126,7 +108,7 @@ TEST_CASE("format: a sole fault of GRID or TILE is found") {
     Index3 resolution = {4, 4, 4}, tiles = {1, 1, 1};
     resolution[a] = 1024;
     tiles[a] = 1u << 20;
-    CHECK(verdicts(parts_of(resized(resolution, tiles)).build()).reader);
+    CHECK(verdicts(TestFile::of(resized(resolution, tiles)).build()).reader);
     tiles[a] += 1;
     check_sole_fault(resized(resolution, tiles), "grid-extent");
   }
@@ -135,7 +117,7 @@ TEST_CASE("format: a sole fault of GRID or TILE is found") {
   no_cells.tile.cell_count = no_cells.membership.cell_count = 0;
   no_cells.tile.pieces.clear();
   no_cells.tile.voxel_ids.assign(64, 0);
-  const Verdicts v = verdicts(parts_of(no_cells).build());
+  const Verdicts v = verdicts(TestFile::of(no_cells).build());
   CHECK(v.agree);
   CHECK(v.reader_id == "tile-cell-count");
 
@@ -178,7 +160,7 @@ TEST_CASE("format: a sole fault of MEMB is found") {
   paged.grid.tiles = paged.membership.tiles = {4097, 1, 1};
   paged.membership.entries.assign(4097, 1);
   paged.membership.entries[4095] = MembershipMap::kFirstBlock;
-  TestFile pages = parts_of(paged);
+  TestFile pages = TestFile::of(paged);
   CHECK(verdicts(pages.build()).reader);
   Bytes memb = pages.payload(kMembershipChunk);
   const std::size_t ranks = 64 + 1088;
@@ -216,7 +198,7 @@ TEST_CASE("format: a sole fault of a color chunk is found") {
     color.resolution = {1, 1, 1};
     color.resolution[a] = 1024;
     color.voxels.assign(1024, {1, 2, 3});
-    CHECK(verdicts(parts_of(object).build()).reader);
+    CHECK(verdicts(TestFile::of(object).build()).reader);
     color.resolution[a] = 1025;
     color.voxels.push_back({});
     check_sole_fault(object, "color-resolution");
@@ -227,7 +209,7 @@ TEST_CASE("format: a sole fault of a color chunk is found") {
   CellObject object = walkthrough_object();
   object.cell_colors.emplace().colors.assign(2, {255, 255, 255});
   object.instance_colors.emplace().colors.assign(3, {0, 0, 0});
-  CHECK(verdicts(parts_of(object).build()).reader);
+  CHECK(verdicts(TestFile::of(object).build()).reader);
   for (const std::size_t count : {1, 3, 64}) {
     object.cell_colors->colors.resize(count);
     check_sole_fault(object, count < 2 ? "payload-truncated" : "payload-trailing");
@@ -243,7 +225,7 @@ TEST_CASE("format: instance colors of an object without INSIDE instances are non
   CellObject object = walkthrough_object();
   object.membership.entries = {0, 0};
   object.membership.blocks.clear();
-  TestFile parts = parts_of(object);
+  TestFile parts = TestFile::of(object);
   parts.chunks.push_back({kInstanceColorChunk, 0, 0, 64, Bytes(64)});
   const Verdicts none = verdicts(parts.build());
   CHECK(none.agree);
@@ -259,14 +241,14 @@ TEST_CASE("format: a sole fault of NORM is found") {
   CellObject object = walkthrough_object();
   NormalMap& map = object.normals.emplace();
   map.normals.assign(24, {0, 252});
-  CHECK(verdicts(parts_of(object).build()).reader);
+  CHECK(verdicts(TestFile::of(object).build()).reader);
   map.normals[23][1] = 253;
   check_sole_fault(object, "normal-code");
   map.normals.pop_back();
   check_sole_fault(object, "payload-truncated");
   map.normals.resize(25);
   check_sole_fault(object, "payload-trailing");
-  TestFile odd = parts_of(object);
+  TestFile odd = TestFile::of(object);
   odd.set_payload(kNormalChunk, Bytes(64 + 49));
   check_sole_fault(odd.build(), "payload-trailing");
 }

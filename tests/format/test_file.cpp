@@ -114,6 +114,24 @@ TestFile TestFile::take_apart(std::span<const std::byte> file) {
   return parts;
 }
 
+TestFile TestFile::of(const CellObject& object) {
+  TestFile parts;
+  parts.representation = kCellObjectRepresentation;
+  const auto add = [&](std::uint32_t type, const Bytes& bytes) {
+    const bool critical = type == kGridChunk || type == kTileChunk || type == kMembershipChunk;
+    parts.chunks.push_back({type, critical ? 1u : 0u, 0, bytes.size(), bytes, 1u << 20});
+  };
+  add(kGridChunk, encode_grid(object.grid));
+  add(kTileChunk, encode_tile(object.tile));
+  add(kMembershipChunk, encode_membership(object.membership));
+  if (object.color) add(kColorChunk, encode_color(*object.color));
+  if (object.cell_colors) add(kCellColorChunk, encode_colors(*object.cell_colors));
+  if (object.instance_colors) add(kInstanceColorChunk, encode_colors(*object.instance_colors));
+  if (object.normals) add(kNormalChunk, encode_normals(*object.normals));
+  add(kTextChunk, encode_text(object.metadata));
+  return parts;
+}
+
 TestChunk& TestFile::chunk(std::uint32_t type) {
   return *std::find_if(chunks.begin(), chunks.end(), [&](const TestChunk& c) { return c.type == type; });
 }

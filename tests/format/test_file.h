@@ -35,6 +35,8 @@ struct TestFile {
 
   /// The first asset of a valid file; all chunks decoded to raw and of one block.
   [[nodiscard]] static TestFile take_apart(std::span<const std::byte> file);
+  /// The chunks of an object, right or wrong, raw and of one block; TEXT also if it is empty.
+  [[nodiscard]] static TestFile of(const CellObject& object);
   /// The first chunk of this type (must be there).
   [[nodiscard]] TestChunk& chunk(std::uint32_t type);
   /// Replaces the payload by one that is stored raw.

@@ -1,0 +1,84 @@
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <string>
+
+#include "format/hash.h"
+#include "tests/conformance/digest.h"
+#include "tests/conformance/suite.h"
+#include "tests/support/catch.h"
+
+using namespace mesocell;
+using namespace mesocell::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kFolder = MESOCELL_CONFORMANCE_FOLDER;
+
+std::string read_text(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+conformance::Manifest frozen() { return conformance::parse_manifest(read_text(kFolder / "manifest.json")); }
+
+}  // namespace
+
+TEST_CASE("conformance: the files are those of the manifest, byte for byte") {
+  const conformance::Manifest manifest = frozen();
+  CHECK(manifest.files.size() >= 1500);
+  std::set<std::string> paths;
+  std::uint64_t bytes = 0;
+  for (const conformance::Entry& entry : manifest.files) {
+    const std::string file = read_text(kFolder / entry.path);
+    bytes += file.size();
+    if (!paths.insert(entry.path).second) FAIL_CHECK(entry.path << " is listed twice");
+    if (file.size() != entry.bytes || file.size() > kMostFileBytes ||
+        conformance::hex16(hash64(std::as_bytes(std::span(file)))) != entry.xxh64)
+      FAIL_CHECK(entry.path << " is not what the manifest says");
+  }
+  CHECK(bytes <= 3u << 20);
+  for (const auto& item : fs::recursive_directory_iterator(kFolder)) {
+    if (!item.is_regular_file() || item.path().extension() != ".meso") continue;
+    const std::string path = item.path().lexically_relative(kFolder).generic_string();
+    if (paths.count(path) == 0) FAIL_CHECK(path << " is not in the manifest");
+  }
+}
+
+TEST_CASE("conformance: frozen files keep their verdict, report and content") {
+  for (const conformance::Entry& entry : frozen().files) {
+    const std::string text = read_text(kFolder / entry.path);
+    const auto file = std::as_bytes(std::span(text));
+    const Verdicts v = verdicts(file);
+    std::string wrong;
+    if (!v.agree) wrong = v.why;
+    if (v.reader != (entry.verdict == "valid") || v.limit != (entry.verdict == "limit"))
+      wrong = "another verdict";
+    if (!entry.issue.empty() && !v.has(entry.issue)) wrong = "the issue is not reported";
+    if (report_of(file) != entry.report) wrong = "another report";
+    if (wrong.empty() && v.reader) {
+      const auto chunks = digest_of_chunks(file), objects = digest_of_objects(file);
+      if (!chunks || conformance::hex16(*chunks) != entry.digest || !objects || *objects != *chunks)
+        wrong = "other content";
+    }
+    if (!wrong.empty()) FAIL_CHECK(entry.path << ": " << wrong);
+  }
+}
+
+TEST_CASE("conformance: every case that is a file is among the frozen ones") {
+  // The zstd library makes some: those are found by name, the others with the same bytes.
+  std::map<std::string, std::string> frozen_files;
+  for (const conformance::Entry& entry : frozen().files) frozen_files[entry.path] = entry.xxh64;
+  for (const Case& c : conformance_cases()) {
+    if (!is_file(c)) continue;
+    const auto at = frozen_files.find(path_of(c));
+    const bool by_library = c.name.starts_with("zstd/library-");
+    if (at == frozen_files.end())
+      FAIL_CHECK(c.name << " is not there: add it, and change no other");
+    else if (!by_library && at->second != conformance::hex16(hash64(c.bytes)))
+      FAIL_CHECK(c.name << " has other bytes: give the new case a new name");
+  }
+}
