@@ -88,7 +88,7 @@ typedef struct MesocellObject {
   uint64_t text_bytes;
 } MesocellObject;
 
-/* Checks header, asset table and directory. `options` may be NULL for the defaults, `fault` may be NULL; so
+/* Checks header, asset table and directory; it alone looks whether two assets have the same name. `options` may be NULL for the defaults, `fault` may be NULL; so
  * below. */
 MesocellStatus mesocell_open(const void* file, size_t file_bytes, const MesocellOptions* options,
                              MesocellFile* info, MesocellFault* fault);
