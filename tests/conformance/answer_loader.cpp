@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <bit>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -24,12 +25,8 @@ struct Writer {
   void number(std::uint64_t v, int count) {
     for (int i = 0; i < count; ++i) bytes.push_back(static_cast<unsigned char>(v >> (8 * i) & 0xff));
   }
-  template <typename Float>
-  void real(Float v) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &v, sizeof v);  // on little-endian machines
-    number(bits, sizeof v);
-  }
+  void real(float v) { number(std::bit_cast<std::uint32_t>(v), 4); }
+  void real(double v) { number(std::bit_cast<std::uint64_t>(v), 8); }
   void append(const void* data, std::uint64_t count) {
     const auto* p = static_cast<const unsigned char*>(data);
     bytes.insert(bytes.end(), p, p + count);
