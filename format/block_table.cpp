@@ -18,7 +18,8 @@ constexpr std::uint64_t padded(std::uint64_t bytes) {
   return (bytes + kChunkAlignment - 1) / kChunkAlignment * kChunkAlignment;
 }
 
-void check_padding(std::span<const std::byte> padding, std::uint64_t at, std::uint32_t type, IssueSink& sink) {
+void check_padding(std::span<const std::byte> padding, std::uint64_t at, std::uint32_t type,
+                   IssueSink& sink) {
   if (const std::size_t i = first_nonzero(padding); i < padding.size())
     sink.add(IssueId::kPaddingNonzero, at + i, type);
 }

@@ -35,8 +35,8 @@ struct BlockRow {
 };
 [[nodiscard]] BlockRow block_row(std::span<const std::byte> table, std::uint64_t block);
 
-/// Checks all hashes of a usable chunk, its block table and the padding in it and after it. False if the chunk
-/// cannot be decoded or the sink is stopped. Untrusted input: safe.
+/// Checks all hashes of a usable chunk, its block table and the padding in it and after it. False if the
+/// chunk cannot be decoded or the sink is stopped. Untrusted input: safe.
 [[nodiscard]] bool verify_chunk(std::span<const std::byte> file, const ContainerScan& scan, std::size_t index,
                                 IssueSink& sink);
 
@@ -44,8 +44,8 @@ struct BlockRow {
 [[nodiscard]] bool decode_chunk(std::span<const std::byte> file, const ChunkInfo& chunk,
                                 std::span<std::byte> to, IssueSink& sink);
 
-/// Decodes one block that has the right size and hash, to `to` of its decoded size; `at` is where it begins in
-/// the file. Untrusted input: safe.
+/// Decodes one block that has the right size and hash, to `to` of its decoded size; `at` is where it begins
+/// in the file. Untrusted input: safe.
 [[nodiscard]] bool decode_block(const ChunkInfo& chunk, std::span<const std::byte> stored,
                                 std::span<std::byte> to, std::uint64_t at, ZstdDecompressor& zstd,
                                 IssueSink& sink);

@@ -10,13 +10,14 @@
 
 namespace mesocell MESOCELL_API {
 
-/// A file, or what stands for one, of which any part can be read: for assets that are too large to be read whole.
+/// A file, or what stands for one, of which any part can be read: for assets that are too large to be read
+/// whole.
 class ByteSource {
  public:
   virtual ~ByteSource() = default;
   [[nodiscard]] virtual std::uint64_t size() const = 0;
-  /// Fills `to` with the bytes from `offset` on; `offset` + `to.size()` must be at most size() (assert). Errors:
-  /// kUnreadable, also where the file has become shorter.
+  /// Fills `to` with the bytes from `offset` on; `offset` + `to.size()` must be at most size() (assert).
+  /// Errors: kUnreadable, also where the file has become shorter.
   [[nodiscard]] virtual Status read(std::uint64_t offset, std::span<std::byte> to) = 0;
 };
 

@@ -138,9 +138,10 @@ struct CellObject {
   GridLayout grid;
   TileMap tile;
   MembershipMap membership;
-  std::optional<ColorMap> color;             ///< absent: white
-  std::optional<ColorList> cell_colors;      ///< one a cell; absent: white
-  std::optional<ColorList> instance_colors;  ///< one an INSIDE instance, by home tile, then cell; absent: white
+  std::optional<ColorMap> color;         ///< absent: white
+  std::optional<ColorList> cell_colors;  ///< one a cell; absent: white
+  std::optional<ColorList>
+      instance_colors;  ///< one an INSIDE instance, by home tile, then cell; absent: white
   std::optional<NormalMap> normals;
   /// Free text, UTF-8, ascending by key, keys unique.
   std::vector<std::pair<std::string, std::string>> metadata;

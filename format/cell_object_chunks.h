@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "format/cell_object.h"
 #include "format/block_table.h"
+#include "format/cell_object.h"
 #include "format/fourcc.h"
 #include "format/text_chunk.h"
 
@@ -83,8 +83,9 @@ struct MembershipLayout {
 /// CCOL and ICOL: `count` colors. [spec 4.6, 4.7] Without a count, because the chunk that states it is at
 /// fault, the rest is checked and the result is empty.
 [[nodiscard]] std::vector<std::byte> encode_colors(const ColorList& list);
-[[nodiscard]] std::optional<ColorList> decode_colors(const ChunkPayload& chunk, std::optional<std::uint64_t> count,
-                                                     MemoryBudget& budget, IssueSink& sink);
+[[nodiscard]] std::optional<ColorList> decode_colors(const ChunkPayload& chunk,
+                                                     std::optional<std::uint64_t> count, MemoryBudget& budget,
+                                                     IssueSink& sink);
 
 /// NORM [spec 4.8]. `tile` is null where that chunk is at fault: the number of normals is then not checked,
 /// and the result is empty.

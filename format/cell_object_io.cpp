@@ -39,8 +39,9 @@ Status check_format_limits(const CellObject& object) {
 
 using Importance = ContainerWriter::Importance;
 
-/// MEMB is what is read in parts, a tile's tags at a time; the other chunks are needed whole. Smaller blocks cost
-/// size: of a bunny of 256 tiles and 64 cells, 0.81 MB at 256 KiB are 0.89 MB at 128, 1.0 MB at 64 and 1.3 MB at 16.
+/// MEMB is what is read in parts, a tile's tags at a time; the other chunks are needed whole. Smaller blocks
+/// cost size: of a bunny of 256 tiles and 64 cells, 0.81 MB at 256 KiB are 0.89 MB at 128, 1.0 MB at 64
+/// and 1.3 MB at 16.
 constexpr std::uint32_t kMembershipBlockBytes = 1u << 18;
 /// What the tags of a tile may take of the file, with some room for head and block table below 64 KiB.
 constexpr std::uint64_t kTileTagsBytes = 57u << 10;
@@ -56,7 +57,8 @@ bool tile_tags_fit(const MembershipLayout& layout, std::uint64_t tile_count, std
     const std::uint64_t end = std::min(begin + MembershipLayout::kPageTiles / 4, layout.ranks_at);
     const std::size_t first = block_of(begin), last = block_of(end - 1);
     const std::size_t rank = block_of(layout.ranks_at + p * sizeof(std::uint32_t));
-    of_page = std::max(of_page, stored[first] + (last > first ? stored[last] : 0) + (rank > last ? stored[rank] : 0));
+    of_page = std::max(of_page,
+                       stored[first] + (last > first ? stored[last] : 0) + (rank > last ? stored[rank] : 0));
   }
   std::uint64_t of_tags = 0;
   for (std::uint64_t at = layout.tags_at; at < layout.bytes; at += layout.tile_tag_bytes) {
@@ -126,7 +128,8 @@ Result<std::vector<std::byte>> encode_cell_objects(std::span<const NamedCellObje
   for (const NamedCellObject& named : objects)
     if (Status status = add_asset(writer, named); !status) return status.error();
   auto bytes = writer.finish();
-  assert((!bytes.ok() || reads_back(*bytes, objects)) && "the maps do not hold what format/cell_object.h says");
+  assert((!bytes.ok() || reads_back(*bytes, objects)) &&
+         "the maps do not hold what format/cell_object.h says");
   return bytes;
 } catch (const std::bad_alloc&) {
   return out_of_memory();
@@ -194,7 +197,8 @@ Result<CellObject> decode_cell_object(const Container& container, const ReadLimi
   if (!scan_asset(scan, asset, sink) || sink.errors() > 0) return sink.first_error_as_result();
   const AssetInfo& info = scan.assets[asset];
   if (info.representation != kCellObjectRepresentation) {
-    sink.add(IssueId::kRepresentationUnknown, kHeaderBytes + asset * kAssetBytes, 0, "it is not a cell object");
+    sink.add(IssueId::kRepresentationUnknown, kHeaderBytes + asset * kAssetBytes, 0,
+             "it is not a cell object");
     return sink.first_error_as_result();
   }
   MemoryBudget budget(limits);

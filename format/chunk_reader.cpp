@@ -39,7 +39,8 @@ Status ChunkReader::read(std::uint64_t begin, std::span<std::byte> to) try {
   while (!to.empty()) {
     const Result<const Block*> found = block(begin / chunk_.block_bytes);
     if (!found) return found.error();
-    const auto from = std::span((*found)->bytes).subspan(static_cast<std::size_t>(begin % chunk_.block_bytes));
+    const auto from =
+        std::span((*found)->bytes).subspan(static_cast<std::size_t>(begin % chunk_.block_bytes));
     const std::size_t count = std::min(from.size(), to.size());
     std::copy_n(from.begin(), count, to.begin());
     to = to.subspan(count);
@@ -83,7 +84,8 @@ Status ChunkReader::load(Block& block) {
       sink.add(IssueId::kBlockSize, row_at, chunk_.type, "block " + std::to_string(block.index));
       return sink.first_error_as_result();
     }
-    if (!check_block_size(chunk_, block.index, end - begin, row_at, sink)) return sink.first_error_as_result();
+    if (!check_block_size(chunk_, block.index, end - begin, row_at, sink))
+      return sink.first_error_as_result();
   }
   std::vector<std::byte> stored(static_cast<std::size_t>(end - begin));
   const std::uint64_t at = chunk_.offset + data_at + begin;

@@ -18,8 +18,8 @@ namespace mesocell MESOCELL_INTERNAL_API {
 /// Untrusted input: safe. Errors: those of the source, kInvalidInput with the id, kLimit.
 [[nodiscard]] Result<ContainerScan> read_head(ByteSource& source, const ReadLimits& limits);
 
-/// Parts of a chunk's payload, read block by block. Each block's hash is checked, and blocks are kept while there
-/// is room for them. Untrusted input: safe.
+/// Parts of a chunk's payload, read block by block. Each block's hash is checked, and blocks are kept while
+/// there is room for them. Untrusted input: safe.
 class ChunkReader {
  public:
   /// The source must outlive it; `chunk` is usable, by a scan of the same source.

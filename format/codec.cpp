@@ -15,8 +15,8 @@ constexpr std::uint32_t kFrameMagic = 0xFD2FB528;
 /// By measuring Voronoi tiles of 128³ voxels with 8 and 64 cells: level 12 makes 42 and 99 kB in 0.04 s,
 /// level 17 39 and 83 kB in 0.2 s, level 19 29 and 63 kB in 1 s, and 22 hardly less. Tiles are written once
 /// and read often, so the best level that keeps writing at a few seconds is taken; all decode equally fast.
-/// Levels 5 to 10 are not to be taken: what zstd 1.5.4 makes of 16 to 128 KiB by them hangs on whether the machine
-/// has vector instructions.
+/// Levels 5 to 10 are not to be taken: what zstd 1.5.4 makes of 16 to 128 KiB by them hangs on whether the
+/// machine has vector instructions.
 int level_for(std::uint64_t bytes) {
   if (bytes <= std::uint64_t{4} << 20) return 19;
   return bytes <= std::uint64_t{64} << 20 ? 17 : 13;
@@ -106,8 +106,8 @@ bool ZstdDecompressor::decompress(const ChunkPayload& block, std::span<std::byte
   const auto header = parse_frame_header(block.bytes);
   if (!header) return fail(IssueId::kZstdFrame, "its frame header is not one of those");
   if (header->content_size != to.size()) {
-    return fail(IssueId::kZstdSize, std::to_string(header->content_size) + " instead of " +
-                                        std::to_string(to.size()) + " bytes");
+    return fail(IssueId::kZstdSize,
+                std::to_string(header->content_size) + " instead of " + std::to_string(to.size()) + " bytes");
   }
   if (header->window_size > kMaxZstdWindow)
     return fail(IssueId::kZstdWindow, std::to_string(header->window_size) + " bytes");

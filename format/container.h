@@ -74,7 +74,8 @@ class ContainerWriter {
   /// Blocks of a chunk, if nothing else is asked for: small ones cost size, for each is compressed alone.
   static constexpr std::uint32_t kUsualBlockBytes = 1u << 20;
 
-  /// Whether blocks of `block_bytes` will do; `stored` is how many bytes of the file each takes, in their order.
+  /// Whether blocks of `block_bytes` will do; `stored` is how many bytes of the file each takes, in their
+  /// order.
   using BlocksFit = std::function<bool(std::uint32_t block_bytes, std::span<const std::uint64_t> stored)>;
 
   explicit ContainerWriter(const WriteOptions& options = {}) : options_(options) {}
@@ -82,8 +83,9 @@ class ContainerWriter {
   /// The chunks that follow are of this asset. `name`: UTF-8 without zero, at most 40 bytes, not that of
   /// another asset unless it is empty: kUsage in finish() if not.
   void begin_asset(std::uint32_t representation, std::string_view name = {});
-  /// `type` must not have been added to the asset before (assert). `block_bytes` is how many bytes can be read
-  /// alone, a power of two of at least 4 KiB and at most 8 MiB (assert). As long as `fits` refuses it, it is halved.
+  /// `type` must not have been added to the asset before (assert). `block_bytes` is how many bytes can be
+  /// read alone, a power of two of at least 4 KiB and at most 8 MiB (assert). As long as `fits` refuses it,
+  /// it is halved.
   void add_chunk(std::uint32_t type, Importance importance, std::span<const std::byte> bytes,
                  std::uint32_t block_bytes = kUsualBlockBytes, const BlocksFit& fits = {});
 

@@ -118,9 +118,9 @@ void scan_asset_row(std::span<const std::byte> head, std::size_t index, Containe
     sink.add(IssueId::kAssetName, at + 16, 0);
     asset.name.clear();
   }
-  const bool taken = !asset.name.empty() &&
-                     std::any_of(scan.assets.begin(), scan.assets.end(),
-                                 [&](const AssetInfo& other) { return other.name == asset.name; });
+  const bool taken =
+      !asset.name.empty() && std::any_of(scan.assets.begin(), scan.assets.end(),
+                                         [&](const AssetInfo& other) { return other.name == asset.name; });
   if (taken) sink.add(IssueId::kAssetNameDuplicate, at + 16, 0);
 
   asset.first_chunk = static_cast<std::uint32_t>(std::min<std::uint64_t>(next_chunk, kMaxChunks));

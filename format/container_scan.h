@@ -83,8 +83,8 @@ struct ContainerScan {
   }
 };
 
-/// Bytes that the header, the asset table and the directory take, by a header of at least 64 bytes that may be
-/// wrong: never more than kMaxHeadBytes.
+/// Bytes that the header, the asset table and the directory take, by a header of at least 64 bytes that may
+/// be wrong: never more than kMaxHeadBytes.
 [[nodiscard]] std::uint64_t head_bytes(std::span<const std::byte> header);
 
 /// Reads and checks header, asset table and directory. `head` holds the file's first bytes: all, or at least

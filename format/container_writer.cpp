@@ -108,7 +108,8 @@ Result<std::vector<std::byte>> ContainerWriter::finish() try {
   assert(!assets_.empty());
   if (!(options_.version == FormatVersion{}))
     return Error{ErrorCode::kUsage, "there is no version " + to_string(options_.version.major) + "." +
-                                        to_string(options_.version.minor) + " of the format; 1.0 can be written"};
+                                        to_string(options_.version.minor) +
+                                        " of the format; 1.0 can be written"};
   if (assets_.size() > kMaxAssets) return Error{ErrorCode::kLimit, "a file has at most 1024 assets"};
   if (chunks_.size() > kMaxChunks) return Error{ErrorCode::kLimit, "a file has at most 4096 chunks"};
 
@@ -116,12 +117,14 @@ Result<std::vector<std::byte>> ContainerWriter::finish() try {
   for (std::size_t i = 0; i < assets_.size(); ++i) {
     const Asset& asset = assets_[i];
     assert(asset.chunk_count > 0);
-    if (asset.name.size() > kMaxNameBytes || asset.name.find('\0') != std::string::npos || !is_utf8(asset.name))
-      return Error{ErrorCode::kUsage, "the name of an asset must be UTF-8 of at most 40 bytes, none of them zero",
-                   "asset-name"};
+    if (asset.name.size() > kMaxNameBytes || asset.name.find('\0') != std::string::npos ||
+        !is_utf8(asset.name))
+      return Error{ErrorCode::kUsage,
+                   "the name of an asset must be UTF-8 of at most 40 bytes, none of them zero", "asset-name"};
     if (!asset.name.empty() && std::any_of(assets_.begin(), assets_.begin() + std::ptrdiff_t(i),
                                            [&](const Asset& other) { return other.name == asset.name; }))
-      return Error{ErrorCode::kUsage, "two assets have the name '" + asset.name + "'", "asset-name-duplicate"};
+      return Error{ErrorCode::kUsage, "two assets have the name '" + asset.name + "'",
+                   "asset-name-duplicate"};
     tables.u32(asset.representation);
     tables.u32(0);
     tables.u32(asset.chunk_count);

@@ -19,8 +19,8 @@ struct ReadLimits {
   std::uint64_t max_tiles = std::uint64_t{1} << 28;
 };
 
-/// Counts what a reader is about to allocate against ReadLimits::max_decoded_bytes, and against what one object
-/// can have on this machine: what was charged fits in a std::size_t and in a vector.
+/// Counts what a reader is about to allocate against ReadLimits::max_decoded_bytes, and against what one
+/// object can have on this machine: what was charged fits in a std::size_t and in a vector.
 class MemoryBudget {
  public:
   explicit MemoryBudget(const ReadLimits& limits)

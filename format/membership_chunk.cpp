@@ -39,10 +39,11 @@ bool check_states(const ChunkPayload& chunk, const MembershipLayout& layout, std
     add_issue(sink, IssueId::kMembUnusedBits, chunk, layout.states_at + t / 4, "after the last state");
     break;
   }
-  check_payload_zeros(chunk, layout.states_at + (tile_count + 3) / 4, layout.ranks_at, IssueId::kPayloadPadding,
-                      sink);
+  check_payload_zeros(chunk, layout.states_at + (tile_count + 3) / 4, layout.ranks_at,
+                      IssueId::kPayloadPadding, sink);
   const std::uint64_t pages = layout.page_count(tile_count);
-  check_payload_zeros(chunk, layout.ranks_at + pages * kRankBytes, layout.tags_at, IssueId::kPayloadPadding, sink);
+  check_payload_zeros(chunk, layout.ranks_at + pages * kRankBytes, layout.tags_at, IssueId::kPayloadPadding,
+                      sink);
 
   ByteReader ranks(slice(chunk.bytes, layout.ranks_at, pages * kRankBytes));
   std::uint64_t mixed = 0;
@@ -51,12 +52,14 @@ bool check_states(const ChunkPayload& chunk, const MembershipLayout& layout, std
       add_issue(sink, IssueId::kMembRank, chunk, layout.ranks_at + p * kRankBytes,
                 to_string(rank) + " instead of " + to_string(mixed));
     const std::uint64_t begin = p * MembershipLayout::kPageTiles / 4;
-    const std::uint64_t end = std::min<std::uint64_t>(begin + MembershipLayout::kPageTiles / 4, states.size());
+    const std::uint64_t end =
+        std::min<std::uint64_t>(begin + MembershipLayout::kPageTiles / 4, states.size());
     for (std::uint64_t i = begin; i < end; ++i) mixed += count_mixed(states[static_cast<std::size_t>(i)]);
   }
   if (sink.stopped()) return false;
   if (mixed != mixed_count)
-    add_issue(sink, IssueId::kMembMixedCount, chunk, 32, to_string(mixed_count) + " instead of " + to_string(mixed));
+    add_issue(sink, IssueId::kMembMixedCount, chunk, 32,
+              to_string(mixed_count) + " instead of " + to_string(mixed));
   return sink.errors() == errors_before;
 }
 
@@ -138,7 +141,8 @@ std::vector<std::byte> encode_membership(const MembershipMap& membership) {
     assert(state != kMixed || membership.entries[t] == MembershipMap::kFirstBlock + mixed);
     mixed += state == kMixed;
     four |= state << (2 * (t % 4));
-    if (t % 4 == 3 || t + 1 == membership.entries.size()) out.u8(static_cast<std::uint8_t>(std::exchange(four, 0)));
+    if (t % 4 == 3 || t + 1 == membership.entries.size())
+      out.u8(static_cast<std::uint8_t>(std::exchange(four, 0)));
   }
   out.pad_to(kPartAlignment);
   for (const std::uint32_t rank : ranks) out.u32(rank);
@@ -164,8 +168,10 @@ std::optional<MembershipMap> decode_membership(const ChunkPayload& chunk, const 
   if (!grid || sink.stopped()) return std::nullopt;
   const std::uint64_t tile_count = grid->tile_count();
   const MembershipLayout layout = MembershipLayout::of(tile_count, header.cell_count, header.mixed_count);
-  if (!check_payload_size(chunk, layout.bytes, sink) && chunk.bytes.size() < layout.bytes) return std::nullopt;
-  if (sink.stopped() || !check_states(chunk, layout, tile_count, header.mixed_count, sink)) return std::nullopt;
+  if (!check_payload_size(chunk, layout.bytes, sink) && chunk.bytes.size() < layout.bytes)
+    return std::nullopt;
+  if (sink.stopped() || !check_states(chunk, layout, tile_count, header.mixed_count, sink))
+    return std::nullopt;
 
   MembershipMap membership;
   membership.rule = static_cast<MembershipRule>(header.rule);

@@ -54,7 +54,8 @@ std::optional<NormalMap> decode_normals(const ChunkPayload& chunk, const TileMap
     return std::nullopt;
   }
   const std::uint64_t count = count_boundary_voxels(*tile);
-  if (!check_payload_size(chunk, kPartAlignment + count * sizeof(Code), sink) || sink.errors() != errors_before)
+  if (!check_payload_size(chunk, kPartAlignment + count * sizeof(Code), sink) ||
+      sink.errors() != errors_before)
     return std::nullopt;
   normals.normals.resize(static_cast<std::size_t>(count));
   if (count > 0) std::memcpy(normals.normals.data(), codes.data(), codes.size());

@@ -80,8 +80,8 @@ class BoundaryFinder {
       const std::size_t row = base + y * nx_;
       std::uint8_t* three = rows_.data() + y * nx_;
       for (std::size_t x = 1; x + 1 < nx_; ++x)
-        three[x] =
-            static_cast<std::uint8_t>(int{id(row + x - 1) == id(row + x)} & int{id(row + x) == id(row + x + 1)});
+        three[x] = static_cast<std::uint8_t>(int{id(row + x - 1) == id(row + x)} &
+                                             int{id(row + x) == id(row + x + 1)});
       const std::uint8_t wrap = same_across(id(row + nx_ - 1), id(row), 0);
       three[0] = wrap & static_cast<std::uint8_t>(id(row) == id(row + 1));
       three[nx_ - 1] = wrap & static_cast<std::uint8_t>(id(row + nx_ - 2) == id(row + nx_ - 1));

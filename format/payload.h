@@ -19,8 +19,8 @@ struct ChunkPayload {
   bool raw = true;                ///< decoded byte i is byte file_offset + i of the file
 };
 
-/// Fixed fields stand in a header of this size, and parts begin at multiples of it, so that a raw chunk can be
-/// used where it is mapped. [spec 2.6]
+/// Fixed fields stand in a header of this size, and parts begin at multiples of it, so that a raw chunk can
+/// be used where it is mapped. [spec 2.6]
 inline constexpr std::uint64_t kPartAlignment = 64;
 [[nodiscard]] constexpr std::uint64_t aligned_part(std::uint64_t bytes) {
   return (bytes + kPartAlignment - 1) / kPartAlignment * kPartAlignment;
@@ -38,8 +38,8 @@ void add_issue(IssueSink& sink, IssueId id, const ChunkPayload& chunk, std::uint
 void check_payload_zeros(const ChunkPayload& chunk, std::uint64_t begin, std::uint64_t end, IssueId id,
                          IssueSink& sink);
 
-/// The f32 at byte `at`, which must be in the chunk: how far a quantised map is off at most. Reports one that is not
-/// finite or not at least zero. [spec 2.7]
+/// The f32 at byte `at`, which must be in the chunk: how far a quantised map is off at most. Reports one that
+/// is not finite or not at least zero. [spec 2.7]
 [[nodiscard]] float check_stated_error(const ChunkPayload& chunk, std::uint64_t at, IssueSink& sink);
 
 }  // namespace mesocell

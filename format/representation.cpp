@@ -19,9 +19,8 @@ constexpr std::array kCellObjectRules = {
 constexpr std::array kRepresentations = {
     Representation{kCellObjectRepresentation, "cell-object", kCellObjectRules,
                    [](std::span<const std::byte> file, const ContainerScan& scan, std::size_t asset,
-                      const ReadLimits& limits, MemoryBudget& budget, IssueSink& sink) {
-                     (void)check_cell_object(file, scan, asset, limits, budget, sink);
-                   }},
+                      const ReadLimits& limits, MemoryBudget& budget,
+                      IssueSink& sink) { (void)check_cell_object(file, scan, asset, limits, budget, sink); }},
 };
 
 }  // namespace

@@ -47,7 +47,8 @@ Result<TagReader> TagReader::open(ByteSource& source, std::size_t asset, const R
   const ChunkInfo& grid_chunk = scan->chunks[*scan->find(asset, kGridChunk)];
   const ChunkPayload grid_payload{kGridChunk, bytes, grid_chunk.offset, true};
   if (grid_chunk.decoded_bytes != bytes.size()) {
-    add_issue(sink, IssueId::kPayloadTruncated, grid_payload, 0, std::to_string(grid_chunk.decoded_bytes) + " bytes");
+    add_issue(sink, IssueId::kPayloadTruncated, grid_payload, 0,
+              std::to_string(grid_chunk.decoded_bytes) + " bytes");
     return sink.first_error_as_result();
   }
   if (Status status = ChunkReader(source, grid_chunk).read(0, bytes); !status) return status.error();
@@ -79,7 +80,8 @@ Result<std::vector<Tag>> TagReader::tags(const Index3& tile) try {
   for (std::size_t a = 0; a < 3; ++a) assert(tile[a] < s.grid.tiles[a]);
   const std::uint64_t index = s.grid.tile_index(tile[0], tile[1], tile[2]);
   // The page's states up to the tile's own.
-  const std::uint64_t page = index / MembershipLayout::kPageTiles, in_page = index % MembershipLayout::kPageTiles;
+  const std::uint64_t page = index / MembershipLayout::kPageTiles,
+                      in_page = index % MembershipLayout::kPageTiles;
   std::array<std::byte, MembershipLayout::kPageTiles / 4> states{};
   const auto wanted = std::span(states).first(static_cast<std::size_t>(in_page / 4 + 1));
   const std::uint64_t page_at = s.layout.states_at + page * states.size();
@@ -101,8 +103,8 @@ Result<std::vector<Tag>> TagReader::tags(const Index3& tile) try {
   if (Status status = s.memb.read(rank_at, rank_bytes); !status) return status.error();
   const std::uint64_t mixed = ByteReader(rank_bytes).u32() + before;
   if (mixed >= s.header.mixed_count)
-    return s.fault(IssueId::kMembRank, rank_at, "mixed tile " + std::to_string(mixed) + " of " +
-                                                    std::to_string(s.header.mixed_count));
+    return s.fault(IssueId::kMembRank, rank_at,
+                   "mixed tile " + std::to_string(mixed) + " of " + std::to_string(s.header.mixed_count));
   std::vector<std::byte> bits(static_cast<std::size_t>(s.layout.tile_tag_bytes));
   const std::uint64_t tags_at = s.layout.tags_at + mixed * bits.size();
   if (Status status = s.memb.read(tags_at, bits); !status) return status.error();

@@ -16,8 +16,8 @@ struct ValidationReport {
   bool valid = false;          ///< no issue is an error
   std::uint64_t errors = 0;    ///< that were found, also what is not listed; many of one kind may count as 16
   std::uint64_t warnings = 0;  ///< the same
-  std::vector<Issue> issues;  ///< in the order in which they were found
-  bool capped = false;        ///< there are more issues than are listed
+  std::vector<Issue> issues;   ///< in the order in which they were found
+  bool capped = false;         ///< there are more issues than are listed
 };
 
 /// Checks a file section by section and goes on after a fault wherever what follows can still be made out.

@@ -11,10 +11,10 @@
 /// What the command knows of cell objects.
 namespace mesocell {
 
-/// Decodes the asset of a container, which must be a cell object. Untrusted input: safe. Errors: kInvalidInput, kLimit.
+/// Decodes the asset of a container, which must be a cell object. Untrusted input: safe. Errors:
+/// kInvalidInput, kLimit.
 [[nodiscard]] Result<std::unique_ptr<Asset>> load_cell_object(const Container& container,
-                                                              const ReadLimits& limits,
-                                                              std::size_t asset);
+                                                              const ReadLimits& limits, std::size_t asset);
 
 /// The rule of membership of that name, "centre" or "conservative". [spec 4.3]
 [[nodiscard]] std::optional<MembershipRule> find_rule(std::string_view name);

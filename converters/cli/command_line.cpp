@@ -35,10 +35,11 @@ void add_no_clobber(CLI::App& app, bool& no_clobber) {
 void add_convert(CLI::App& app, ConvertCommand& command) {
   CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a mesh, or from a tile alone");
   // The parser gives all words to the first option that takes several, so the output is the last of them.
-  sub->add_option("input... output", command.inputs,
-                  std::string("Input: a mesh, ") + kMeshExtensions +
-                      "; or tile:RECIPE, to keep and show a tile with each of its cells once; or .meso files, whose "
-                      "assets are put into one file, FILE.meso#ASSET for one of them. Output: .meso")
+  sub->add_option(
+         "input... output", command.inputs,
+         std::string("Input: a mesh, ") + kMeshExtensions +
+             "; or tile:RECIPE, to keep and show a tile with each of its cells once; or .meso files, whose "
+             "assets are put into one file, FILE.meso#ASSET for one of them. Output: .meso")
       ->required()
       ->option_text("FILES");
   CLI::Option* tiles =
@@ -49,15 +50,17 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
       ->excludes(tiles);
   sub->add_option("--box", command.box, "Box to cover, instead of the mesh's")
       ->type_name("X0,Y0,Z0,X1,Y1,Z1");
-  sub->add_option("--tile", command.tile, std::string("Recipe of the tile, or a .meso file to take it from [") + kDefaultTile + "]")
+  sub->add_option("--tile", command.tile,
+                  std::string("Recipe of the tile, or a .meso file to take it from [") + kDefaultTile + "]")
       ->type_name("RECIPE");
   sub->add_option("--percolating", command.percolating,
                   "Imported cells that meet their own copy through the tile's border: cut or refuse [cut]")
       ->type_name("CHOICE");
   sub->add_option("--rule", command.rule, "Rule of membership: " + rule_names() + " [centre]")
       ->type_name("RULE");
-  sub->add_option("--repair", command.repair,
-                  "How far a mesh that is not closed is repaired: strict, orient, winding, wrap or auto [auto]")
+  sub->add_option(
+         "--repair", command.repair,
+         "How far a mesh that is not closed is repaired: strict, orient, winding, wrap or auto [auto]")
       ->type_name("CHOICE");
   sub->add_option("--solid", command.solid,
                   "What is solid of shells in and over one another: nonzero, even-odd or outer [nonzero]")
@@ -78,8 +81,9 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->take_all();
-  sub->add_option("--codec", command.codec,
-                  "zstd, which makes files small, or raw, so that maps can be used in place from a memory map [zstd]")
+  sub->add_option(
+         "--codec", command.codec,
+         "zstd, which makes files small, or raw, so that maps can be used in place from a memory map [zstd]")
       ->type_name("CODEC");
   sub->add_option("--target-version", command.target_version, "Version of the format to write: 1.0 [1.0]")
       ->type_name("VERSION");
@@ -88,35 +92,46 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->footer(
       "Rules: by centre a cell is inside if all its voxels' centres are; by conservative the surface "
       "must not even touch one of its voxels.\n\n"
-      "Solid: by nonzero overlaps are united, and a shell in a shell is a cavity if it runs the other way; by "
+      "Solid: by nonzero overlaps are united, and a shell in a shell is a cavity if it runs the other way; "
+      "by "
       "even-odd it is one whatever way it runs, and overlaps are hollow; by outer every shell is filled.\n\n"
       "Repair: strict refuses a mesh that is not closed; orient stitches cracks, turns triangles and drops "
-      "duplicates, and refuses what that does not close; winding decides by the generalized winding number what is "
-      "inside of what stays open; wrap replaces what stays open by its alpha wrap; auto takes the first of these that "
+      "duplicates, and refuses what that does not close; winding decides by the generalized winding number "
+      "what is "
+      "inside of what stays open; wrap replaces what stays open by its alpha wrap; auto takes the first of "
+      "these that "
       "suffices. `mesocell info MESH` tells what is amiss with a mesh.\n\nRecipes of tiles:\n" +
-      tile_sources_help() + "\nRecipes of colors:\n" + color_sources_help() + "\nVolumes: " + kVolumeAxes + "\n" +
+      tile_sources_help() + "\nRecipes of colors:\n" + color_sources_help() + "\nVolumes: " + kVolumeAxes +
+      "\n" +
       "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
       "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n"
       "  mesocell convert tile:mesh:file=stones.obj,size=2 stones.meso --color stone\n"
       "  mesocell convert wall.ply wall.meso --tile stones.meso\n"
-      "  mesocell convert wall.meso bunny.meso library.meso && mesocell render library.meso#bunny bunny.png\n");
+      "  mesocell convert wall.meso bunny.meso library.meso && mesocell render library.meso#bunny "
+      "bunny.png\n");
 }
 
 void add_info(CLI::App& app, InfoCommand& command) {
   CLI::App* sub = app.add_subcommand("info", "Tell what is in a .meso file, or what is amiss with a mesh");
   sub->add_option("input", command.input,
-                  std::string("File to read: .meso, of which FILE.meso#ASSET is one asset; or a mesh: ") + kMeshExtensions)
+                  std::string("File to read: .meso, of which FILE.meso#ASSET is one asset; or a mesh: ") +
+                      kMeshExtensions)
       ->required()
       ->type_name("FILE");
-  sub->add_option("--tile", command.tile,
-                  "Tell the tags of the cells of one tile instead, reading only the parts of a .meso file that say so")
+  sub->add_option(
+         "--tile", command.tile,
+         "Tell the tags of the cells of one tile instead, reading only the parts of a .meso file that say so")
       ->type_name("I,J,K");
   add_common(*sub, command.common);
   sub->footer(
-      "Keys of --json for a mesh: format, file_bytes, polygons, dropped_faces (with a repeated vertex), vertices, "
-      "vertex_colors, box {min, max}, volume (metres³, null if it is not closed), diagnosis {depth, closed, triangles, "
-      "components, closed_components, cavities, findings [{id, count, at_least, example, text}]}; convert has the "
-      "same diagnosis.\n\nOf a .meso file with several assets the keys are those of the first one; assets [{name, …}] has "
+      "Keys of --json for a mesh: format, file_bytes, polygons, dropped_faces (with a repeated vertex), "
+      "vertices, "
+      "vertex_colors, box {min, max}, volume (metres³, null if it is not closed), diagnosis {depth, closed, "
+      "triangles, "
+      "components, closed_components, cavities, findings [{id, count, at_least, example, text}]}; convert "
+      "has the "
+      "same diagnosis.\n\nOf a .meso file with several assets the keys are those of the first one; assets "
+      "[{name, …}] has "
       "all of them. With --tile the keys are tile, tags [one a cell], bytes_read, file_bytes.\n\n"
       "Example:\n  mesocell info bunny.meso --json\n  mesocell info library.meso#bunny\n"
       "  mesocell info bunny.meso --tile 32,20,32\n  mesocell info bunny.obj\n");
@@ -132,7 +147,8 @@ void add_validate(CLI::App& app, ValidateCommand& command) {
   add_common(*sub, command.common);
   sub->footer(
       "Exit code 0 if the file is valid, 1 if it is not, 3 if it is no .meso file at all.\n"
-      "Every issue has an id, which spec/issues.md explains; --json follows spec/validation-report.schema.json.\n\n"
+      "Every issue has an id, which spec/issues.md explains; --json follows "
+      "spec/validation-report.schema.json.\n\n"
       "Example:\n  mesocell validate bunny.meso\n");
 }
 
@@ -222,15 +238,18 @@ void add_compare(CLI::App& app, CompareCommand& command) {
       std::string(cell_object_comparison_help()) +
       "\n  of an asset and a mesh: tolerance (per cent, null if not given), surface_distance {asset_to_mesh, "
       "mesh_to_asset {max, mean, rms (metres), max_percent, mean_percent, rms_percent, samples (taken)}, "
-      "samples (asked for), seed, diagonal (metres)}, volume {asset, mesh (metres³), percent (of the mesh's)}; "
+      "samples (asked for), seed, diagonal (metres)}, volume {asset, mesh (metres³), percent (of the "
+      "mesh's)}; "
       "null for the volume of a mesh that is not closed; the part is surface"
       "\n\nExample:\n  mesocell compare a.png b.png --tolerance 0.01\n"
       "  mesocell compare bunny.meso bunny.off --tolerance 0.5 --json\n");
 }
 
 void add_stability(CLI::App& app, StabilityCommand& command) {
-  CLI::App* sub = app.add_subcommand("stability", "Compare methods on damaged meshes, by their errors and cost");
-  sub->add_flag("--voxelize", command.voxelize, "Test inside/outside voxelization (this is what there is to test)");
+  CLI::App* sub =
+      app.add_subcommand("stability", "Compare methods on damaged meshes, by their errors and cost");
+  sub->add_flag("--voxelize", command.voxelize,
+                "Test inside/outside voxelization (this is what there is to test)");
   sub->add_flag("--benchmark", command.benchmark,
                 "Measure time, peak memory and wrong voxels at several sizes instead of the catalogue");
   sub->add_option("--resolution", command.resolution, "Voxels along the longest side, 16 to 512 [32]")
@@ -339,8 +358,7 @@ int run_command_line(int argc, char** argv) {
     return usage_error(app, error, argc, argv);
   }
   if (app.got_subcommand("convert")) {
-    if (convert.inputs.size() < 2)
-      return usage_error(app, CLI::RequiredError("output"), argc, argv);
+    if (convert.inputs.size() < 2) return usage_error(app, CLI::RequiredError("output"), argc, argv);
     convert.output = convert.inputs.back();
     convert.inputs.pop_back();
     convert.input = convert.inputs.front();

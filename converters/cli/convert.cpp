@@ -127,15 +127,18 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
 }
 
 /// Assets into an asset: nothing is authored.
-std::optional<Failure> convert_assets(const ConvertCommand& command, const Progress& progress, Outcome& outcome) {
+std::optional<Failure> convert_assets(const ConvertCommand& command, const Progress& progress,
+                                      Outcome& outcome) {
   Stopwatch watch;
   if (auto failure = repack(command, progress, outcome.file)) return failure;
-  const bool given = command.tiles || command.tile_size || !command.box.empty() || command.tile || command.rule ||
-                     command.percolating || command.repair || command.solid || command.stitch || command.thicken ||
-                     command.wrap_alpha || command.wrap_offset || command.color || command.normals;
+  const bool given = command.tiles || command.tile_size || !command.box.empty() || command.tile ||
+                     command.rule || command.percolating || command.repair || command.solid ||
+                     command.stitch || command.thicken || command.wrap_alpha || command.wrap_offset ||
+                     command.color || command.normals;
   if (given)
     outcome.report.warnings.push_back(
-        {"option-unused", "only --codec, --meta, --target-version and --no-clobber have an effect on .meso files"});
+        {"option-unused",
+         "only --codec, --meta, --target-version and --no-clobber have an effect on .meso files"});
   outcome.seconds.total = watch.total();
   return std::nullopt;
 }

@@ -33,9 +33,8 @@ struct SolidRow {
   std::string_view name;
   SolidRule solid;
 };
-constexpr std::array<SolidRow, 3> kSolids = {{{"nonzero", SolidRule::kNonzero},
-                                              {"even-odd", SolidRule::kEvenOdd},
-                                              {"outer", SolidRule::kOuter}}};
+constexpr std::array<SolidRow, 3> kSolids = {
+    {{"nonzero", SolidRule::kNonzero}, {"even-odd", SolidRule::kEvenOdd}, {"outer", SolidRule::kOuter}}};
 
 std::optional<Failure> parse_tile(const ConvertCommand& command, ConvertPlan& plan) {
   const std::optional<std::string> shown = tile_of_input(command.input);
@@ -89,7 +88,8 @@ std::optional<Failure> parse_solid(const ConvertCommand& command, SolidRule& sol
     return usage("--solid", "unknown choice '" + name + "'; there are: nonzero, even-odd, outer");
   solid = row->solid;
   if (command.thicken && solid != SolidRule::kNonzero)
-    return usage("--solid", "what --thicken makes overlaps, so it is solid by nonzero alone; leave one of them out");
+    return usage("--solid",
+                 "what --thicken makes overlaps, so it is solid by nonzero alone; leave one of them out");
   return std::nullopt;
 }
 

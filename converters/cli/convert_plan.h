@@ -27,8 +27,8 @@ struct ConvertPlan {
 [[nodiscard]] std::optional<Failure> parse_write_options(const ConvertCommand& command, WriteOptions& options,
                                                          Metadata& metadata);
 
-/// Whether inputs and output can be those of a conversion, and the output can be written. `more_input`: a file
-/// that is read too, or empty.
+/// Whether inputs and output can be those of a conversion, and the output can be written. `more_input`: a
+/// file that is read too, or empty.
 [[nodiscard]] std::optional<Failure> check_convert_files(const ConvertCommand& command,
                                                          const std::string& more_input);
 

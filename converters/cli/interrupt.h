@@ -4,9 +4,9 @@
 
 namespace mesocell {
 
-/// Lets SIGINT, SIGTERM and SIGHUP (unless it is ignored, as nohup does) ask the command to stop. A second one
-/// ends the process at once, with the temporary files removed. SIGPIPE and SIGXFSZ are ignored: writing to a
-/// closed pipe or beyond the largest file allowed is then an ordinary error.
+/// Lets SIGINT, SIGTERM and SIGHUP (unless it is ignored, as nohup does) ask the command to stop. A second
+/// one ends the process at once, with the temporary files removed. SIGPIPE and SIGXFSZ are ignored: writing
+/// to a closed pipe or beyond the largest file allowed is then an ordinary error.
 void install_signal_handlers();
 
 /// Set by the first signal; for Progress::cancel.

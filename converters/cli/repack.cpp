@@ -73,9 +73,8 @@ std::optional<Failure> add_asset(const Container& container, std::size_t asset, 
 }  // namespace
 
 bool is_repack(const ConvertCommand& command) {
-  return std::all_of(command.inputs.begin(), command.inputs.end(), [](const std::string& input) {
-    return is_asset_path(input) && !tile_of_input(input);
-  });
+  return std::all_of(command.inputs.begin(), command.inputs.end(),
+                     [](const std::string& input) { return is_asset_path(input) && !tile_of_input(input); });
 }
 
 std::optional<Failure> repack(const ConvertCommand& command, const Progress& progress, AssetFile& written) {

@@ -2,8 +2,8 @@
 
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,8 +55,8 @@ struct AssetFile {
   [[nodiscard]] const Asset& first() const { return *assets.front().asset; }
 };
 
-/// A .meso file's name on the command line: FILE.meso, or FILE.meso#ASSET for the asset of that name, or of that
-/// number from 0. A file that is there under the whole name goes before.
+/// A .meso file's name on the command line: FILE.meso, or FILE.meso#ASSET for the asset of that name, or of
+/// that number from 0. A file that is there under the whole name goes before.
 struct AssetPath {
   std::string file;
   std::optional<std::string> asset;

@@ -93,11 +93,11 @@ struct Loader {
   MesocellOptions options;
   MesocellFault* fault;
   u32 minor = 0, asset_count = 0, chunk_count = 0;
-  u64 directory = 0;             // where it begins
-  u64 budget = 0;                // what is left of options.max_decoded_bytes
-  Chunk chunks[kUnknown]{};      // of the asset, by kTypes
-  u32 fault_chunk = 0;           // the chunk that is looked at
-  u64 fault_at = 0;              // and where it is
+  u64 directory = 0;         // where it begins
+  u64 budget = 0;            // what is left of options.max_decoded_bytes
+  Chunk chunks[kUnknown]{};  // of the asset, by kTypes
+  u32 fault_chunk = 0;       // the chunk that is looked at
+  u64 fault_at = 0;          // and where it is
   ZSTD_DCtx* zstd = nullptr;
   MesocellObject* object = nullptr;
 
@@ -698,8 +698,8 @@ u64 Loader::count_boundary_between(const Rows& rows, u32 begin, u32 end) const {
   return count;
 }
 
-// The same of a row within the tile, of all x but the first and the last: as many voxels at once as ids are in
-// eight bytes. The row must have two more than that.
+// The same of a row within the tile, of all x but the first and the last: as many voxels at once as ids are
+// in eight bytes. The row must have two more than that.
 u64 Loader::count_boundary_within(const Rows& rows) const {
   const u64 width = object->id_bytes, bits = 8 * width, step = 8 / width, end = object->resolution[0] - 1;
   const u64 ones = width == 1 ? 0x0101010101010101 : width == 2 ? 0x0001000100010001 : 0x100000001;
@@ -846,7 +846,8 @@ MesocellStatus mesocell_load(const void* file, size_t file_bytes, uint32_t asset
   for (int i = kTile; i < kUnknown; ++i) {
     Chunk& c = loader.chunks[i];
     if (!c.there) continue;
-    MESOCELL_TRY(loader.load_chunk(c, c.codec == 0 && loader.options.in_place ? nullptr : base + layout.at[i]));
+    MESOCELL_TRY(
+        loader.load_chunk(c, c.codec == 0 && loader.options.in_place ? nullptr : base + layout.at[i]));
     MESOCELL_TRY(i == kTile   ? loader.load_tile(c, block)
                  : i == kMemb ? loader.load_membership(c, block)
                  : i == kColr ? loader.load_color(c)

@@ -6,8 +6,8 @@
  * RTTI, is callable from C, and accepts exactly the assets that the spec calls valid.
  *
  * Untrusted input: safe. Nothing is read outside the file or written outside the arena; sizes are checked
- * against the file and the caller's limits before they are used. It allocates nothing and has no global state:
- * any thread, any number at once.
+ * against the file and the caller's limits before they are used. It allocates nothing and has no global
+ * state: any thread, any number at once.
  *
  *   size_t need;
  *   if (mesocell_arena_bytes(file, size, 0, NULL, &need, &fault) != kMesocellOk) ...
@@ -63,7 +63,8 @@ typedef struct MesocellObject {
   uint32_t resolution[3]; /* voxels of the tile */
   uint32_t cell_count, piece_count, id_bytes;
   const uint8_t* pieces; /* 8 bytes each as in the file: cell u16, home i8[3]; piece id k is number k - 1 */
-  const uint8_t* voxel_ids; /* id_bytes each, little-endian, 0 where empty; as aligned as the arena, up to 64 */
+  const uint8_t*
+      voxel_ids; /* id_bytes each, little-endian, 0 where empty; as aligned as the arena, up to 64 */
 
   uint32_t rule; /* 0 centre, 1 conservative */
   uint64_t inside, outside, intersected;
@@ -88,8 +89,8 @@ typedef struct MesocellObject {
   uint64_t text_bytes;
 } MesocellObject;
 
-/* Checks header, asset table and directory; it alone looks whether two assets have the same name. `options` may be NULL for the defaults, `fault` may be NULL; so
- * below. */
+/* Checks header, asset table and directory; it alone looks whether two assets have the same name. `options`
+ * may be NULL for the defaults, `fault` may be NULL; so below. */
 MesocellStatus mesocell_open(const void* file, size_t file_bytes, const MesocellOptions* options,
                              MesocellFile* info, MesocellFault* fault);
 

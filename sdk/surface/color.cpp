@@ -12,7 +12,8 @@
 namespace mesocell {
 namespace {
 
-/// A smooth wave of period 1 between 0 and 1, as a polynomial: the maths library's sine may differ by machine.
+/// A smooth wave of period 1 between 0 and 1, as a polynomial: the maths library's sine may differ by
+/// machine.
 double wave(double x) {
   const double f = x - std::floor(x), t = f < 0.5 ? 2 * f : 2 - 2 * f;
   return t * t * (3 - 2 * t);
@@ -48,7 +49,8 @@ Color wood(Vec3 p, std::uint64_t seed) {
 Color stone(Vec3 p, std::uint64_t seed) {
   const double large = tileable_turbulence(p, 4, 3, seed), small = tileable_noise(p, 20, seed + 7);
   const Color base = blend({0.62, 0.58, 0.55}, {0.46, 0.43, 0.44}, 0.5 + 0.9 * large);
-  return small > 0.22 ? blend(base, {0.82, 0.79, 0.76}, (small - 0.22) * 6) : blend(base, {0.20, 0.19, 0.21}, (-small - 0.25) * 6);
+  return small > 0.22 ? blend(base, {0.82, 0.79, 0.76}, (small - 0.22) * 6)
+                      : blend(base, {0.20, 0.19, 0.21}, (-small - 0.25) * 6);
 }
 
 struct Solid {
@@ -141,8 +143,8 @@ std::string color_recipes_help() {
 WrapCheck check_wrap(const ColorMap& map) {
   const Index3& n = map.resolution;
   const std::size_t stride[3] = {1, n[0], std::size_t{n[0]} * n[1]};
-  // Of the planes of voxels along each axis: steps from the plane to the next, and second differences of it and
-  // the two after it.
+  // Of the planes of voxels along each axis: steps from the plane to the next, and second differences of it
+  // and the two after it.
   std::array<std::vector<std::uint64_t>, 3> step, bend;
   for (std::size_t a = 0; a < 3; ++a) {
     step[a].resize(n[a]);

@@ -39,13 +39,14 @@ struct Colors {
 [[nodiscard]] std::string color_recipes_help();
 
 /// How well a color map continues across the tile's border: the mean step there between neighbouring voxels
-/// against that between any two neighbouring planes within, of the values and of the differences between them.
-/// Against the greatest of those, not their mean: a texture may have hard edges in some planes, and one of them
-/// at the border.
+/// against that between any two neighbouring planes within, of the values and of the differences between
+/// them. Against the greatest of those, not their mean: a texture may have hard edges in some planes, and one
+/// of them at the border.
 struct WrapCheck {
-  static constexpr std::uint32_t kLeastVoxels = 8;  ///< axes with fewer are not judged: planes differ too much
-  /// Solids that tile stay below it from 8 voxels on; those that were cut exceed it, unless they change as much
-  /// from voxel to voxel within (grains or rings of few voxels). The tests print the figures.
+  static constexpr std::uint32_t kLeastVoxels =
+      8;  ///< axes with fewer are not judged: planes differ too much
+  /// Solids that tile stay below it from 8 voxels on; those that were cut exceed it, unless they change as
+  /// much from voxel to voxel within (grains or rings of few voxels). The tests print the figures.
   static constexpr double kSeam = 1.4;
 
   double value_ratio = 0;     ///< mean |step| across the border over the greatest within, the worst axis

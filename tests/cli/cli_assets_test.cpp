@@ -26,8 +26,10 @@ struct Two {
     make(box, make_box({0, 0, 0}, {1, 2, 1}), {});
   }
   void make(const std::string& to, const TriangleMesh& mesh, std::vector<std::string> more) const {
-    const std::string file = folder.write(std::filesystem::path(to).stem().string() + ".obj", mesh_bytes(mesh, "mesh.obj"));
-    std::vector<std::string> words = {"convert", file, to, "--tiles", "5", "--tile", "voronoi:cells=4,resolution=8,seed=2"};
+    const std::string file =
+        folder.write(std::filesystem::path(to).stem().string() + ".obj", mesh_bytes(mesh, "mesh.obj"));
+    std::vector<std::string> words = {
+        "convert", file, to, "--tiles", "5", "--tile", "voronoi:cells=4,resolution=8,seed=2"};
     words.insert(words.end(), more.begin(), more.end());
     REQUIRE(run_command(words).exit == 0);
   }
@@ -124,7 +126,8 @@ TEST_CASE("raw files hold what compressed ones do, and rewriting gives the bytes
   REQUIRE(run_command({"convert", raw, back, "--target-version", "1.0"}).exit == 0);
   CHECK(bytes_of(back) == bytes_of(two.ball));
   CHECK(run_command({"convert", raw, back, "--codec", "gzip"}).exit == 2);
-  for (const char* version : {"0.9", "1.1", "2", ""}) CHECK(run_command({"convert", raw, back, "--target-version", version}).exit == 2);
+  for (const char* version : {"0.9", "1.1", "2", ""})
+    CHECK(run_command({"convert", raw, back, "--target-version", version}).exit == 2);
   const Run unused = run_command({"convert", raw, back, "--tiles", "3"});
   CHECK(unused.exit == 0);
   CHECK(unused.messages() >= 1);
@@ -199,7 +202,8 @@ TEST_CASE("a report is as its published schema says") {
   REQUIRE(schema.is_object());
   // As much of JSON Schema as this one uses.
   const std::function<bool(const json&, const json&)> fits = [&](const json& rule, const json& value) {
-    if (rule.contains("enum") && std::find(rule["enum"].begin(), rule["enum"].end(), value) == rule["enum"].end())
+    if (rule.contains("enum") &&
+        std::find(rule["enum"].begin(), rule["enum"].end(), value) == rule["enum"].end())
       return false;
     if (rule.contains("type")) {
       const json types = rule["type"].is_array() ? rule["type"] : json::array({rule["type"]});
@@ -207,9 +211,11 @@ TEST_CASE("a report is as its published schema says") {
       if (std::find(types.begin(), types.end(), own) == types.end()) return false;
     }
     if (rule.contains("minimum") && value.is_number() && value < rule["minimum"]) return false;
-    if (rule.contains("minLength") && value.is_string() && value.get<std::string>().size() < rule["minLength"])
+    if (rule.contains("minLength") && value.is_string() &&
+        value.get<std::string>().size() < rule["minLength"])
       return false;
-    const json required = rule.value("required", json::array()), properties = rule.value("properties", json::object());
+    const json required = rule.value("required", json::array()),
+               properties = rule.value("properties", json::object());
     for (const json& key : required)
       if (!value.contains(key.get<std::string>())) return false;
     for (const auto& [key, of] : properties.items())
@@ -221,7 +227,8 @@ TEST_CASE("a report is as its published schema says") {
   };
   const Two two;
   const std::string whole = bytes_of(two.ball);
-  std::vector<std::string> files = {whole, whole.substr(0, 100), whole.substr(0, whole.size() / 2), whole + "x"};
+  std::vector<std::string> files = {whole, whole.substr(0, 100), whole.substr(0, whole.size() / 2),
+                                    whole + "x"};
   for (std::size_t at = 8; at < whole.size(); at += 97) {
     files.push_back(whole);
     files.back()[at] = char(files.back()[at] ^ 0x10);

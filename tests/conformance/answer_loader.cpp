@@ -3,11 +3,10 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include <bit>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <bit>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <string_view>

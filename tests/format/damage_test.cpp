@@ -77,7 +77,8 @@ TEST_CASE("format: a chunk of color or normals may be left out alone") {
 }
 
 TEST_CASE("format: other versions are refused by name") {
-  for (const auto& [major, minor] : {std::pair{0u, 9u}, {0u, 0u}, {2u, 0u}, {0x0101u, 0u}, {0xffffu, 0xffffu}}) {
+  for (const auto& [major, minor] :
+       {std::pair{0u, 9u}, {0u, 0u}, {2u, 0u}, {0x0101u, 0u}, {0xffffu, 0xffffu}}) {
     Bytes file = small_files()[0];
     put(file, 8, major, 2);
     put(file, 10, minor, 2);

@@ -1,7 +1,7 @@
 #include <string>
 
-#include "format/cell_object_chunks.h"
 #include "format/block_table.h"
+#include "format/cell_object_chunks.h"
 #include "format/cell_object_io.h"
 #include "format/hash.h"
 #include "format/validate.h"
@@ -24,8 +24,9 @@ void check_round_trip(const CellObject& object) {
   INFO(v.why << " " << v.loader_text);
   CHECK(v.agree);
   CHECK(v.loader);
-  CHECK(v.issues == (count_instances(object.membership).inside > 0 ? std::vector<std::string>{}
-                                                                   : std::vector<std::string>{"memb-nothing-inside"}));
+  CHECK(v.issues == (count_instances(object.membership).inside > 0
+                         ? std::vector<std::string>{}
+                         : std::vector<std::string>{"memb-nothing-inside"}));
   CHECK(encoded(*read) == file);
   CHECK(file.size() % 64 == 0);
 }
@@ -211,7 +212,8 @@ TEST_CASE("format: several assets in a file come back, each by itself") {
 }
 
 TEST_CASE("format: what is not compressed can be used in place") {
-  const CellObject object = random_object(3, {.resolution = {20, 30, 40}, .tiles = {9, 9, 9}, .maps = kAllMaps});
+  const CellObject object =
+      random_object(3, {.resolution = {20, 30, 40}, .tiles = {9, 9, 9}, .maps = kAllMaps});
   WriteOptions options;
   options.compress = false;
   const auto file = encode_cell_object(object, options);

@@ -76,7 +76,8 @@ TEST_CASE("format: a sole fault of the container is found") {
 
   // Entries that change places still cover the file, but not in order.
   Bytes swapped = TestFile::of(walkthrough_object()).build();
-  std::swap_ranges(swapped.begin() + entry_at(0), swapped.begin() + entry_at(1), swapped.begin() + entry_at(1));
+  std::swap_ranges(swapped.begin() + entry_at(0), swapped.begin() + entry_at(1),
+                   swapped.begin() + entry_at(1));
   reseal_directory(swapped);
   const Verdicts v = verdicts(swapped);
   CHECK(v.agree);
@@ -148,8 +149,8 @@ TEST_CASE("format: a sole fault of GRID or TILE is found") {
 TEST_CASE("format: a sole fault of MEMB is found") {
   // States are INSIDE and mixed; one rank, one byte of tags.
   for (std::size_t at = 2 * 2; at < 8; at += 2) {
-    check_sole_fault(
-        edited(kMembershipChunk, [&](Bytes& m) { put(m, 64, 0b1101u | 1u << at, 1); }), "memb-unused-bits");
+    check_sole_fault(edited(kMembershipChunk, [&](Bytes& m) { put(m, 64, 0b1101u | 1u << at, 1); }),
+                     "memb-unused-bits");
   }
   for (const std::size_t at : {std::size_t{65}, std::size_t{127}, std::size_t{132}, std::size_t{191}})
     check_sole_fault(edited(kMembershipChunk, [&](Bytes& m) { put(m, at, 1, 1); }), "payload-padding");

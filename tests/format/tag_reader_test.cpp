@@ -16,8 +16,10 @@ using namespace mesocell::test;
 
 namespace {
 
-/// Whether the reader gives the object's tags in `count` random tiles, and where it gives none whether it says why.
-bool gives_tags(TagReader& reader, const CellObject& object, int count, std::uint64_t seed, bool may_fail = false) {
+/// Whether the reader gives the object's tags in `count` random tiles, and where it gives none whether it
+/// says why.
+bool gives_tags(TagReader& reader, const CellObject& object, int count, std::uint64_t seed,
+                bool may_fail = false) {
   Rng rng(seed);
   for (int i = 0; i < count; ++i) {
     Index3 tile{};
@@ -65,7 +67,8 @@ CellObject large_ball() {
 TEST_CASE("format: tags are read tile by tile, whatever the codec and the size of blocks") {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     CAPTURE(seed);
-    const CellObject object = seed % 10 == 0 ? random_object(seed, {.tiles = {40, 41, 42}, .cells = 9}) : random_small_object(seed);
+    const CellObject object =
+        seed % 10 == 0 ? random_object(seed, {.tiles = {40, 41, 42}, .cells = 9}) : random_small_object(seed);
     TestFile parts = TestFile::take_apart(encoded(object));
     if (seed % 3 == 1) split(parts.chunk(kMembershipChunk), 4096, true);
     if (seed % 3 == 2) split(parts.chunk(kMembershipChunk), 4096, false);
@@ -108,7 +111,8 @@ TEST_CASE("format: tags of a truncated or hostile file are refused") {
     CHECK_FALSE(TagReader::open(source).ok());
   }
   // Numbers that nothing but the reader of tags looks at.
-  for (const auto& [at, value] : {std::pair{std::size_t{32}, std::uint64_t{0xffffffff}}, {4, 0}, {4, 65536}, {32, 0}}) {
+  for (const auto& [at, value] :
+       {std::pair{std::size_t{32}, std::uint64_t{0xffffffff}}, {4, 0}, {4, 65536}, {32, 0}}) {
     Bytes memb = parts.payload(kMembershipChunk);
     put(memb, at, value, 4);
     TestFile changed = parts;

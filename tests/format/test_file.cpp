@@ -167,7 +167,8 @@ Bytes TestFile::build() const {
       directory.u64(body_at + body.size());
       directory.u64(c.stored.size());
       directory.u64(c.decoded_bytes);
-      directory.u64(hash64(blocks > 1 && blocks * 16 <= stored.size() ? stored.first(std::size_t(blocks * 16)) : stored));
+      directory.u64(hash64(blocks > 1 && blocks * 16 <= stored.size() ? stored.first(std::size_t(blocks * 16))
+                                                                      : stored));
       directory.zeros(16);
       body.append(c.stored);
       body.pad_to(64);
@@ -221,7 +222,8 @@ void split(TestChunk& chunk, std::uint32_t block_bytes, bool compressed, int lev
   ByteWriter table, blocks;
   const std::uint64_t count = block_count(payload.size(), block_bytes);
   for (std::size_t b = 0; b < count; ++b) {
-    const auto block = payload.subspan(b * block_bytes, std::min<std::size_t>(block_bytes, payload.size() - b * block_bytes));
+    const auto block = payload.subspan(b * block_bytes,
+                                       std::min<std::size_t>(block_bytes, payload.size() - b * block_bytes));
     const Bytes frame = zstd_frame(block, level);
     const auto stored = compressed && frame.size() < block.size() ? std::span<const std::byte>(frame) : block;
     blocks.append(stored);
@@ -260,7 +262,8 @@ void reseal_directory(Bytes& file) {
 void reseal_chunks(Bytes& file) {
   const std::size_t end = tables_end(file);
   for (std::size_t at = end > 0 ? 64 + 64 * std::size_t(get(file, 12)) : 0; at < end; at += 64) {
-    if (get(file, at + 16, 8) > file.size() || get(file, at + 24, 8) > file.size() - get(file, at + 16, 8)) continue;
+    if (get(file, at + 16, 8) > file.size() || get(file, at + 24, 8) > file.size() - get(file, at + 16, 8))
+      continue;
     const std::size_t offset = std::size_t(get(file, at + 16, 8)), size = std::size_t(get(file, at + 24, 8));
     const auto stored = std::span(file).subspan(offset, size);
     const std::uint64_t blocks = block_count(get(file, at + 32, 8), get(file, at + 12));
@@ -297,7 +300,8 @@ struct Loaded {
 };
 
 Loaded load(std::span<const std::byte> file, std::size_t asset, const ReadLimits& limits, bool in_place) {
-  const MesocellOptions o = {limits.max_file_bytes, limits.max_decoded_bytes, limits.max_tiles, in_place ? 1 : 0};
+  const MesocellOptions o = {limits.max_file_bytes, limits.max_decoded_bytes, limits.max_tiles,
+                             in_place ? 1 : 0};
   Loaded loaded;
   std::size_t arena_bytes = 0;
   const auto index = std::uint32_t(asset);

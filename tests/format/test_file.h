@@ -63,13 +63,14 @@ constexpr std::size_t entry_at(std::size_t chunk) { return 128 + 64 * chunk; }
 /// Writes `bytes` low bytes of `value` at `at`.
 void put(Bytes& bytes, std::size_t at, std::uint64_t value, unsigned count = 4);
 [[nodiscard]] std::uint64_t get(const Bytes& bytes, std::size_t at, unsigned count = 4);
-/// Recomputes hashes of the header; of the tables, then of the header; of all blocks and chunks that lie in the
-/// file, then of both.
+/// Recomputes hashes of the header; of the tables, then of the header; of all blocks and chunks that lie in
+/// the file, then of both.
 void reseal_header(Bytes& file);
 void reseal_directory(Bytes& file);
 void reseal_chunks(Bytes& file);
 
-/// What the three readers say of a file with all its assets. Each gets a heap buffer of exactly the file's size.
+/// What the three readers say of a file with all its assets. Each gets a heap buffer of exactly the file's
+/// size.
 struct Verdicts {
   bool reader = false;
   bool validator = false;

@@ -88,7 +88,8 @@ void add_random_maps(Rng& rng, unsigned maps, CellObject& object) {
         random_colors(rng, std::uint64_t{color.resolution[0]} * color.resolution[1] * color.resolution[2]);
     object.color = std::move(color);
   }
-  if ((maps & kCellColors) != 0) object.cell_colors = ColorList{random_colors(rng, object.tile.cell_count), 0.5f};
+  if ((maps & kCellColors) != 0)
+    object.cell_colors = ColorList{random_colors(rng, object.tile.cell_count), 0.5f};
   if ((maps & kInstanceColors) != 0)
     object.instance_colors = ColorList{random_colors(rng, count_instances(object.membership).inside), 0};
   if ((maps & kNormals) != 0) {

@@ -8,7 +8,8 @@ namespace mesocell::fuzz {
 
 std::vector<Bytes> seeds() {
   std::vector<Bytes> files = test::small_files();
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) files.push_back(test::encoded(test::random_small_object(seed)));
+  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+    files.push_back(test::encoded(test::random_small_object(seed)));
   return files;
 }
 

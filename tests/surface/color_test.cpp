@@ -32,7 +32,8 @@ TEST_CASE("noise repeats, is smooth and stays in range") {
       CHECK(std::abs(tileable_noise(p + Vec3{1e-6, 0, 0}, period, 3) - n) < 1e-4);
     }
   // Across the border it is as smooth as anywhere.
-  CHECK(std::abs(tileable_noise({0.9999999, 0.3, 0.4}, 4, 1) - tileable_noise({0.0000001, 0.3, 0.4}, 4, 1)) < 1e-5);
+  CHECK(std::abs(tileable_noise({0.9999999, 0.3, 0.4}, 4, 1) - tileable_noise({0.0000001, 0.3, 0.4}, 4, 1)) <
+        1e-5);
   CHECK(tileable_noise({0.3, 0.3, 0.4}, 4, 1) != tileable_noise({0.3, 0.3, 0.4}, 4, 2));
 }
 
@@ -114,8 +115,8 @@ TEST_CASE("cells get colors of their own") {
 }
 
 TEST_CASE("a wrong color recipe is a usage error") {
-  for (const char* bad : {"granite", "marble:cells=3", "marble:resolution=0", "marble:resolution=500", "cells:resolution=4",
-                          "wood:seed=-1", "marble:seed=x"}) {
+  for (const char* bad : {"granite", "marble:cells=3", "marble:resolution=0", "marble:resolution=500",
+                          "cells:resolution=4", "wood:seed=-1", "marble:seed=x"}) {
     INFO(bad);
     const Result<Colors> colors = make_colors(*parse_recipe(bad), 8);
     REQUIRE_FALSE(colors.ok());
