@@ -25,6 +25,7 @@ void check_container(std::span<const std::byte> bytes) {
   MESOCELL_FUZZ_CHECK(!container->assets().empty());
   for (std::size_t asset = 0; asset < container->assets().size(); ++asset) {
     if (!container->verify(asset)) MESOCELL_FUZZ_CHECK(!report.valid);
+    MESOCELL_FUZZ_CHECK(!container->read_chunk(asset, 0).ok() || container->scan().find(asset, 0));
     for (const ChunkInfo& chunk : container->chunks_of(asset)) {
       MESOCELL_FUZZ_CHECK(chunk.offset <= bytes.size() && chunk.stored_bytes <= bytes.size() - chunk.offset);
       const auto decoded = container->read_chunk(asset, chunk.type);

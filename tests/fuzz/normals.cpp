@@ -1,4 +1,8 @@
 #include "format/normal_map.h"
+
+#include <array>
+#include <cmath>
+
 #include "tests/format/test_objects.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -36,7 +40,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_decoder(
       kNormalChunk, input.rest(),
       [&](const ChunkPayload& chunk, MemoryBudget& budget, IssueSink& sink) {
-        return decode_normals(chunk, &tile, budget, sink);
+        auto normals = decode_normals(chunk, &tile, budget, sink);
+        for (const auto& code : normals ? normals->normals : std::vector<std::array<std::uint8_t, 2>>()) {
+          const auto n = decode_normal(code);
+          MESOCELL_FUZZ_CHECK(std::abs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1) < 1e-9);
+        }
+        return normals;
       },
       encode_normals);
   return 0;

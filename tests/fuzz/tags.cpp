@@ -1,30 +1,23 @@
 #include "format/cell_object_io.h"
 #include "format/tag_reader.h"
+#include "tests/format/test_file.h"
 #include "tests/format/test_objects.h"
 #include "tests/fuzz/fuzz.h"
 
-/// Tags read tile by tile: of a valid file those that the reader finds; of any other some or none.
-namespace mesocell::fuzz {
-
-std::vector<Bytes> seeds() {
-  std::vector<Bytes> files = test::small_files();
-  for (std::uint64_t seed = 1; seed <= 8; ++seed)
-    files.push_back(test::encoded(test::random_small_object(seed)));
-  return files;
-}
-
-}  // namespace mesocell::fuzz
+// Input: a file, as it is and with hashes that fit. The tags of a valid asset, read tile by tile, are those
+// that the reader finds; of any other they are some or none.
 
 using namespace mesocell;
 using namespace mesocell::fuzz;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const Exact exact(std::as_bytes(std::span(data, size)));
-  SpanSource source(exact.bytes());
-  const auto object = read_cell_object(exact.bytes(), kLimits);
-  auto reader = TagReader::open(source, 0, kLimits);
+namespace {
+
+void check_asset(std::span<const std::byte> file, std::size_t asset) {
+  SpanSource source(file);
+  const auto object = read_cell_object(file, kLimits, asset);
+  auto reader = TagReader::open(source, asset, kLimits);
   MESOCELL_FUZZ_CHECK(reader.ok() || !object.ok());
-  if (!reader) return 0;
+  if (!reader) return;
   const Index3& tiles = reader->grid().tiles;
   const std::uint64_t count = reader->grid().tile_count();
   // Some tiles from all of the grid.
@@ -34,9 +27,38 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto tags = reader->tags(tile);
     MESOCELL_FUZZ_CHECK(tags.ok() || !object.ok());
     if (!object) continue;
-    MESOCELL_FUZZ_CHECK(tags->size() == object->tile.cell_count);
+    MESOCELL_FUZZ_CHECK(tags->size() == reader->cell_count());
     for (std::uint32_t cell = 1; cell <= object->tile.cell_count; ++cell)
       MESOCELL_FUZZ_CHECK((*tags)[cell - 1] == object->membership.tag(i, cell));
   }
+}
+
+void check_file(std::span<const std::byte> bytes) {
+  const Exact exact(bytes);
+  // One more than most files have, so that one is asked for that is not there.
+  for (std::size_t asset = 0; asset < 3; ++asset) check_asset(exact.bytes(), asset);
+}
+
+}  // namespace
+
+std::vector<Bytes> fuzz::seeds() {
+  std::vector<Bytes> files = test::small_files();
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    files.push_back(test::encoded(test::random_small_object(seed)));
+    // In parts, as only large objects are.
+    test::TestFile parts = test::TestFile::take_apart(files.back());
+    for (test::TestChunk& chunk : parts.chunks) test::split(chunk, 4096, seed % 2 == 0);
+    files.push_back(parts.build());
+  }
+  files.push_back(test::encoded(test::random_object(9, {.tiles = {25, 26, 27}, .cells = 3})));
+  return files;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto bytes = Input(data, size).rest();
+  check_file(bytes);
+  Bytes resealed(bytes.begin(), bytes.end());
+  test::reseal_chunks(resealed);
+  check_file(resealed);
   return 0;
 }
