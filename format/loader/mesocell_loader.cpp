@@ -819,9 +819,11 @@ MesocellStatus mesocell_arena_bytes(const void* file, size_t file_bytes, uint32_
   MESOCELL_TRY(loader.open());
   MESOCELL_TRY(loader.find_chunks(asset));
   MESOCELL_TRY(loader.load_grid());
-  // What mesocell_load() takes from the budget last: an arena over the limit is not even asked for.
-  if (!loader.charge(u64(object.tiles[0]) * object.tiles[1] * object.tiles[2], 4))
-    return loader.over_limit("too many tiles");
+  // What mesocell_load() will take from the budget at least: an arena over the limit is not even asked for.
+  const u64 tile_bytes = loader.chunks[kTile].decoded;
+  if (!loader.charge(u64(object.tiles[0]) * object.tiles[1] * object.tiles[2], 4) ||
+      !loader.charge(1, tile_bytes > 128 ? tile_bytes - 128 : 0))
+    return loader.over_limit("too many tiles or voxels");
   if (!lay_out(loader, layout)) return loader.over_limit("more than the address space");
   *arena_bytes = size_t(layout.total);
   return kMesocellOk;

@@ -13,6 +13,15 @@ using namespace mesocell::test;
 
 namespace {
 
+/// Small files, and one in which a chunk has several blocks.
+std::vector<Bytes> files_to_damage() {
+  std::vector<Bytes> files = small_files();
+  TestFile parts = TestFile::take_apart(encoded(random_object(10, {.resolution = {16, 16, 17}, .block = 8})));
+  split(parts.chunk(kTileChunk), 4096, true, 19);
+  files.push_back(parts.build());
+  return files;
+}
+
 void check_refused(const Bytes& file) {
   const Verdicts v = verdicts(file);
   INFO(v.why);
@@ -24,7 +33,7 @@ void check_refused(const Bytes& file) {
 }  // namespace
 
 TEST_CASE("format: every truncation is refused") {
-  for (const Bytes& file : small_files()) {
+  for (const Bytes& file : files_to_damage()) {
     REQUIRE(verdicts(file).reader);
     for (std::size_t size = 0; size < file.size(); ++size) {
       CAPTURE(size);
@@ -34,7 +43,7 @@ TEST_CASE("format: every truncation is refused") {
 }
 
 TEST_CASE("format: every flip of a bit is refused") {
-  for (const Bytes& file : small_files()) {
+  for (const Bytes& file : files_to_damage()) {
     Bytes damaged = file;
     for (std::size_t bit = 0; bit < file.size() * 8; ++bit) {
       CAPTURE(bit);

@@ -71,6 +71,44 @@ TEST_CASE("format: reader, loader and validator draw each limit at the same plac
   }
 }
 
+TEST_CASE("format: the loader asks for no more memory than the limit allows, whatever the file says") {
+  Rng rng(77);
+  int asked = 0, refused = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const TestFile original = TestFile::take_apart(encoded(random_small_object(seed)));
+    for (int i = 0; i < 100; ++i) {
+      // Sizes that nothing has looked into when memory is asked for.
+      TestFile parts = original;
+      for (TestChunk& chunk : parts.chunks) {
+        if (chunk.type == kGridChunk || rng.below(2) == 0) continue;
+        compress(chunk);
+        chunk.block_bytes = 1u << 23;
+        if (chunk.codec == 1 && chunk.stored.size() < chunk.decoded_bytes)
+          chunk.decoded_bytes =
+              std::min<std::uint64_t>(chunk.stored.size() * 32768ull, 1u << (10 + rng.below(13)));
+        chunk.decoded_bytes = std::max<std::uint64_t>(chunk.decoded_bytes, chunk.stored.size());
+      }
+      Bytes grid = parts.payload(kGridChunk);
+      if (rng.below(2) == 0) put(grid, 32, 1 + rng.below(1u << 22), 4);
+      parts.set_payload(kGridChunk, grid);
+      const Bytes file = parts.build();
+      const std::uint64_t limit = std::uint64_t{1} << (8 + rng.below(20));
+      const MesocellOptions options = {1u << 20, limit, 1u << 28, int(rng.below(2))};
+      std::size_t arena_bytes = 0;
+      const auto status = mesocell_arena_bytes(file.data(), file.size(), 0, &options, &arena_bytes, nullptr);
+      if (status != kMesocellOk) {
+        ++refused;
+        continue;
+      }
+      ++asked;
+      // zstd's own state and the chunks' alignment are not of the file's making.
+      if (arena_bytes > limit + (256u << 10)) CHECK(arena_bytes <= limit + (256u << 10));
+    }
+  }
+  CHECK(asked > 500);
+  CHECK(refused > 500);
+}
+
 TEST_CASE("format: huge counts in a small file are refused before memory is taken") {
   // 2^31 - 1 tiles: 8 GiB of entries and half a GiB of states from a file of less than 100 kB.
   CellObject object = walkthrough_object();
