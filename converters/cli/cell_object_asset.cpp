@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -32,6 +33,25 @@ std::string rule_name(MembershipRule rule) {
 Json counts_json(const MembershipMap& membership) {
   const InstanceCounts counts = count_instances(membership);
   return {{"inside", counts.inside}, {"outside", counts.outside}, {"intersected", counts.intersected}};
+}
+
+/// A binary32 in as few digits as tell it from others.
+double shortest(float value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  double number = 0;
+  std::from_chars(text.data(), end, number);
+  return number;
+}
+
+/// How far maps that were rounded are off at most: channels in steps of 1/255, normals in degrees.
+Json stated_errors(const CellObject& object) {
+  Json errors = Json::object();
+  if (object.color) errors["color"] = shortest(object.color->max_error);
+  if (object.cell_colors) errors["cell_colors"] = shortest(object.cell_colors->max_error);
+  if (object.instance_colors) errors["instance_colors"] = shortest(object.instance_colors->max_error);
+  if (object.normals) errors["normals"] = shortest(object.normals->max_error_degrees);
+  return errors;
 }
 
 /// Instances of unequal tag; null if the maps are not of the same instances.
@@ -99,6 +119,7 @@ class CellObjectAsset final : public Asset {
     info["cell_colors"] = object_.cell_colors ? object_.cell_colors->colors.size() : 0;
     info["instance_colors"] = object_.instance_colors ? object_.instance_colors->colors.size() : 0;
     info["normals"] = object_.normals ? object_.normals->normals.size() : 0;
+    info["max_error"] = stated_errors(object_);
     info["metadata"] = Json::object();
     for (const auto& [key, value] : object_.metadata) info["metadata"][key] = value;
   }

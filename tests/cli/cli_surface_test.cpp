@@ -96,6 +96,7 @@ TEST_CASE("the mesh's own colors, one for each cell inside, from every format th
     INFO(run.err);
     REQUIRE(run.exit == 0);
     CHECK(run.json()["instance_colors"] == run.json()["instances"]["inside"]);
+    CHECK(run.json()["max_error"]["instance_colors"] == 0.5);
     if (first.empty()) first = read_bytes(scene.asset);
     CHECK(read_bytes(scene.asset) == first);
   }
