@@ -24,6 +24,9 @@ using Bytes = std::vector<std::byte>;
 /// Inputs to begin with: the same each time, valid ones of all kinds. Defined by each target.
 [[nodiscard]] std::vector<Bytes> seeds();
 
+/// Seeds of targets whose inputs are files.
+[[nodiscard]] std::vector<Bytes> file_seeds();
+
 /// Small, so that no input takes long or much memory.
 inline constexpr ReadLimits kLimits = {std::uint64_t{1} << 20, std::uint64_t{1} << 22,
                                        std::uint64_t{1} << 14};

@@ -44,6 +44,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         for (const auto& code : normals ? normals->normals : std::vector<std::array<std::uint8_t, 2>>()) {
           const auto n = decode_normal(code);
           MESOCELL_FUZZ_CHECK(std::abs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1) < 1e-9);
+          // Some directions have two codes.
+          const auto again = decode_normal(encode_normal(n));
+          MESOCELL_FUZZ_CHECK(n[0] * again[0] + n[1] * again[1] + n[2] * again[2] > 1 - 1e-9);
         }
         return normals;
       },

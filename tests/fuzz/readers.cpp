@@ -27,9 +27,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   return 0;
 }
 
-std::vector<fuzz::Bytes> fuzz::seeds() {
-  std::vector<Bytes> seeds = test::small_files();
-  for (std::uint64_t seed = 0; seed < 12; ++seed)
-    seeds.push_back(test::encoded(test::random_small_object(seed)));
-  return seeds;
-}
+std::vector<fuzz::Bytes> fuzz::seeds() { return file_seeds(); }

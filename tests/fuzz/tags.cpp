@@ -41,18 +41,7 @@ void check_file(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-std::vector<Bytes> fuzz::seeds() {
-  std::vector<Bytes> files = test::small_files();
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-    files.push_back(test::encoded(test::random_small_object(seed)));
-    // In parts, as only large objects are.
-    test::TestFile parts = test::TestFile::take_apart(files.back());
-    for (test::TestChunk& chunk : parts.chunks) test::split(chunk, 4096, seed % 2 == 0);
-    files.push_back(parts.build());
-  }
-  files.push_back(test::encoded(test::random_object(9, {.tiles = {25, 26, 27}, .cells = 3})));
-  return files;
-}
+std::vector<Bytes> fuzz::seeds() { return file_seeds(); }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto bytes = Input(data, size).rest();
