@@ -24,17 +24,9 @@ constexpr u32 kTypes[8] = {code('G', 'R', 'I', 'D'), code('T', 'I', 'L', 'E'), c
 enum { kGrid, kTile, kMemb, kColr, kCcol, kIcol, kNorm, kText, kUnknown };
 constexpr u32 kNone = 0xffffffff;
 
-u32 get16(const u8* p) { return p[0] | u32(p[1]) << 8; }
-u32 get32(const u8* p) { return get16(p) | get16(p + 2) << 16; }
-inline u64 get64(const u8* p) {
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-  u64 v;
-  std::memcpy(&v, p, sizeof v);
-  return v;
-#else
-  return get32(p) | u64(get32(p + 4)) << 32;
-#endif
-}
+inline u32 get16(const u8* p) { return p[0] | u32(p[1]) << 8; }
+inline u32 get32(const u8* p) { return get16(p) | get16(p + 2) << 16; }
+inline u64 get64(const u8* p) { return get32(p) | u64(get32(p + 4)) << 32; }
 double get_f64(const u8* p) {
   const u64 bits = get64(p);
   double v;
@@ -117,12 +109,11 @@ struct Loader {
   bool ignorable(u64 at, u64 count) const { return minor > 0 || all_zero(file + at, count); }
 
   MesocellStatus check_header();
-  MesocellStatus check_assets() const;
-  MesocellStatus check_names() const;
+  MesocellStatus check_assets(bool names) const;
   MesocellStatus check_directory() const;
   MesocellStatus check_entry(u64 at, u64& expected) const;
   MesocellStatus check_block(const Chunk& chunk, u64 b, u64 stored) const;
-  MesocellStatus open();
+  MesocellStatus open(bool names);
   MesocellStatus find_chunks(u32 asset);
   MesocellStatus verify(const Chunk& chunk) const;
   MesocellStatus decode_block(const u8* from, u64 stored, u8* to, u64 decoded) const;
@@ -169,8 +160,8 @@ bool is_utf8(const u8* p, u64 size) {
       if ((p[i] & 0xC0) != 0x80) return false;
       point = point << 6 | (p[i] & 0x3F);
     }
-    static const u32 least[4] = {0, 0x80, 0x800, 0x10000};
-    if (point < least[more] || point > 0x10FFFF || (point >= 0xD800 && point <= 0xDFFF)) return false;
+    const u32 shorter = more == 1 ? 7 : 5 * more + 1;  // bits that fit in a shorter form
+    if (point >> shorter == 0 || point > 0x10FFFF || (point >= 0xD800 && point <= 0xDFFF)) return false;
   }
   return true;
 }
@@ -191,8 +182,8 @@ MesocellStatus Loader::check_header() {
   if (get64(file + 16) != size) return invalid("the file has not the size that its header states", 16);
   if (asset_count < 1 || asset_count > 1024) return invalid("the number of assets is not in 1...1024", 12);
   if (chunk_count < 1 || chunk_count > 4096) return invalid("the number of chunks is not in 1...4096", 24);
-  if (get32(file + 28) != 0) return invalid("flags are not zero", 28);
-  if (!reserved(40, 8) || !ignorable(48, 8)) return invalid("reserved bytes are not zero", 40);
+  if (!reserved(28, 4) || !reserved(40, 8) || !ignorable(48, 8))
+    return invalid("reserved bits are not zero", 28);
   directory = 64 + 64 * u64(asset_count);
   const u64 tables = 64 * (u64(asset_count) + chunk_count);
   if (tables > size - 64) return invalid("the file ends within its tables", size);
@@ -201,7 +192,7 @@ MesocellStatus Loader::check_header() {
 }
 
 // 3.2
-MesocellStatus Loader::check_assets() const {
+MesocellStatus Loader::check_assets(bool names) const {
   u64 sum = 0;
   for (u32 i = 0; i < asset_count; ++i) {
     const u64 at = 64 + 64 * u64(i);
@@ -213,19 +204,13 @@ MesocellStatus Loader::check_assets() const {
       return invalid("reserved bytes are not zero", at);
     if (!all_zero(name + name_bytes, 40 - name_bytes) || !is_utf8(name, name_bytes))
       return invalid("a bad name of an asset", at + 16);
+    // Not again for every asset that is loaded: of a thousand, that would take seconds.
+    for (u64 other = 64; names && name_bytes > 0 && other < at; other += 64)
+      if (std::memcmp(file + other + 16, name, 40) == 0) return invalid("two assets have one name", at + 16);
     if (get32(file + at + 8) < 1) return invalid("an asset has no chunk", at + 8);
     sum += get32(file + at + 8);
   }
   return sum == chunk_count ? kMesocellOk : invalid("the assets have not the chunks of the directory", 64);
-}
-
-// Not done again for every asset that is loaded: of a thousand, that would take seconds.
-MesocellStatus Loader::check_names() const {
-  for (u64 at = 64; at < directory; at += 64)
-    for (u64 other = 64; file[at + 16] != 0 && other < at; other += 64)
-      if (std::memcmp(file + other + 16, file + at + 16, 40) == 0)
-        return invalid("two assets have one name", at + 16);
-  return kMesocellOk;
 }
 
 // 3.3 to 3.5, all but what is in the chunks
@@ -260,9 +245,9 @@ MesocellStatus Loader::check_block(const Chunk& c, u64 b, u64 stored) const {
   return kMesocellOk;
 }
 
-MesocellStatus Loader::open() {
+MesocellStatus Loader::open(bool names) {
   MESOCELL_TRY(check_header());
-  MESOCELL_TRY(check_assets());
+  MESOCELL_TRY(check_assets(names));
   return check_directory();
 }
 
@@ -282,8 +267,8 @@ MesocellStatus Loader::find_chunks(u32 asset) {
       if (get32(e) == c.type) return bad("a chunk type occurs twice");
     int known = kGrid;
     while (known < kUnknown && kTypes[known] != c.type) ++known;
-    if (known == kUnknown && c.critical) return bad("unknown critical chunk");
-    if (known < kUnknown && c.critical != (known <= kMemb)) return bad("a chunk has the wrong critical flag");
+    if (c.critical != (known <= kMemb))
+      return bad("a chunk is critical that is unknown or must not be, or is not");
     if (known == kGrid && c.codec != 0) return bad("GRID is not raw");
     if (known < kUnknown) chunks[known] = c;
     MESOCELL_TRY(verify(c));
@@ -347,8 +332,7 @@ MesocellStatus Loader::decode_block(const u8* from, u64 stored, u8* to, u64 deco
                       : size_flag == 2 ? get32(p)
                                        : get64(p);
   if (single) window = content;
-  if (content != decoded) return bad("a zstd frame has the wrong content size");
-  if (window > u64(1) << 23) return bad("a zstd frame needs too large a window");
+  if (content != decoded || window > u64(1) << 23) return bad("a zstd frame of the wrong size or window");
   if (ZSTD_findFrameCompressedSize(from, size_t(stored)) != stored)
     return bad("a zstd frame does not fill its block");
   if (ZSTD_decompressDCtx(zstd, to, size_t(decoded), from, size_t(stored)) != decoded)
@@ -479,8 +463,7 @@ MesocellStatus Loader::check_pieces() const {
     const u32 cell = mesocell_piece(&o, id, home);
     if (!all_zero(o.pieces + u64(id - 1) * 8 + 5, 3)) return bad("reserved bytes are not zero");
     if (cell < 1 || cell > o.cell_count) return bad("a piece is of no cell");
-    if (cell < last_cell) return bad("pieces are not ascending");
-    if (cell > last_cell + 1) return bad("a cell has no piece");
+    if (cell < last_cell || cell > last_cell + 1) return bad("pieces are not ascending, or a cell has none");
     if (cell == last_cell) {
       int order = 0;
       for (int a = 2; a >= 0 && order == 0; --a) order = home[a] - last_home[a];
@@ -585,8 +568,7 @@ MesocellStatus Loader::check_tags(u64 counts[4]) const {
       intersected += bit_count(tags[i] & 0xAAu);
       both |= tags[i] & tags[i] >> 1 & 0x55u;
     }
-    if ((tags[o.tag_bytes - 1] & unused) != 0) return bad("unused bits are not zero");
-    if (both != 0) return bad("a tag has the code 3");
+    if ((tags[o.tag_bytes - 1] & unused) != 0 || both != 0) return bad("unused bits, or a tag of the code 3");
     const u32 outside = o.cell_count - inside - intersected;
     if (inside == o.cell_count || outside == o.cell_count || intersected == o.cell_count)
       return bad("a mixed tile is uniform");
@@ -798,8 +780,7 @@ Loader begin(const void* file, size_t file_bytes, const MesocellOptions* options
 MesocellStatus mesocell_open(const void* file, size_t file_bytes, const MesocellOptions* options,
                              MesocellFile* info, MesocellFault* fault) {
   Loader loader = begin(file, file_bytes, options, fault);
-  MESOCELL_TRY(loader.open());
-  MESOCELL_TRY(loader.check_names());
+  MESOCELL_TRY(loader.open(true));
   *info = {1, uint16_t(loader.minor), loader.asset_count};
   return kMesocellOk;
 }
@@ -816,7 +797,7 @@ MesocellStatus mesocell_arena_bytes(const void* file, size_t file_bytes, uint32_
   Layout layout;
   Loader loader = begin(file, file_bytes, options, fault);
   loader.object = &object;
-  MESOCELL_TRY(loader.open());
+  MESOCELL_TRY(loader.open(false));
   MESOCELL_TRY(loader.find_chunks(asset));
   MESOCELL_TRY(loader.load_grid());
   // What mesocell_load() will take from the budget at least: an arena over the limit is not even asked for.
@@ -836,7 +817,7 @@ MesocellStatus mesocell_load(const void* file, size_t file_bytes, uint32_t asset
   Layout layout;
   Loader loader = begin(file, file_bytes, options, fault);
   loader.object = object;
-  MESOCELL_TRY(loader.open());
+  MESOCELL_TRY(loader.open(false));
   MESOCELL_TRY(loader.find_chunks(asset));
   MESOCELL_TRY(loader.load_grid());
   if (!lay_out(loader, layout)) return loader.over_limit("more than the address space");
