@@ -14,10 +14,6 @@ namespace {
 
 using std::to_string;
 
-constexpr std::uint64_t padded(std::uint64_t bytes) {
-  return (bytes + kChunkAlignment - 1) / kChunkAlignment * kChunkAlignment;
-}
-
 void check_padding(std::span<const std::byte> padding, std::uint64_t at, std::uint32_t type,
                    IssueSink& sink) {
   if (const std::size_t i = first_nonzero(padding); i < padding.size())

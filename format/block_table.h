@@ -16,6 +16,11 @@ class ZstdDecompressor;
 
 inline constexpr std::size_t kBlockRowBytes = 16;
 
+/// Bytes with the zeros that follow them, up to where the next chunk may begin. [spec 3.4]
+[[nodiscard]] constexpr std::uint64_t padded(std::uint64_t bytes) {
+  return (bytes + kChunkAlignment - 1) / kChunkAlignment * kChunkAlignment;
+}
+
 /// Where a chunk's first block begins, from the chunk's offset: after the table, if it has one.
 [[nodiscard]] std::uint64_t block_data_at(const ChunkInfo& chunk);
 

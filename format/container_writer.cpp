@@ -18,10 +18,6 @@ namespace {
 
 using std::to_string;
 
-std::uint64_t padded(std::uint64_t bytes) {
-  return (bytes + kChunkAlignment - 1) / kChunkAlignment * kChunkAlignment;
-}
-
 /// Cuts a chunk into blocks, each compressed if that is asked for and makes it smaller, and puts their table
 /// before them. [spec 3.5] `info` has the decoded size and the block size, and gets the rest.
 std::vector<std::byte> store(std::span<const std::byte> bytes, bool compress, ChunkInfo& info) {
