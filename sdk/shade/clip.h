@@ -19,6 +19,7 @@ class ClippedCaster final : public Caster {
   [[nodiscard]] Vec3 color(const Hit& hit, Vec3 point) const override { return caster_.color(hit, point); }
   [[nodiscard]] double detail() const override { return caster_.detail(); }
   [[nodiscard]] Box3 object_box() const override { return caster_.object_box(); }
+  [[nodiscard]] std::uint64_t memory_bytes() const override { return caster_.memory_bytes(); }
 
  private:
   /// The part of the ray on the kept side, t in [begin, end); false if there is none.

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <span>
 
 #include "format/api.h"
 #include "sdk/core/ray.h"
@@ -21,6 +23,23 @@ struct Hit {
   bool on_cut = false;  ///< on a plane that the object is cut by, whose normal face_normal then is
 };
 
+/// Where a ray of a stream meets an object: what costs least to tell. Caster::first_hit() tells the rest.
+struct StreamHit {
+  static constexpr double kMiss = std::numeric_limits<double>::infinity();
+
+  double t = kMiss;                       ///< as Hit's; kMiss if nothing is hit
+  std::array<std::int32_t, 3> element{};  ///< as Hit's
+  std::uint32_t label = 0;                ///< as Hit's; 0 for a miss
+  /// By which face of the element the ray came: 2 · axis + 1 if its normal points up the axis, else 2 · axis;
+  /// kBegan if the ray began inside, kOther where a normal along no axis is meant.
+  std::int8_t face = kBegan;
+  static constexpr std::int8_t kBegan = -1, kOther = -2;
+
+  [[nodiscard]] bool hit() const { return t < kMiss; }
+};
+
+[[nodiscard]] StreamHit to_stream_hit(const Hit& hit);
+
 /// One representation, prepared for one method of tracing. Thread safety: all calls are const and reentrant.
 class Caster {
  public:
@@ -28,6 +47,23 @@ class Caster {
 
   /// The nearest hit. False for a miss, and for a ray that is not finite or has no direction. No allocation.
   [[nodiscard]] virtual bool first_hit(const Ray& ray, Hit& hit) const = 0;
+
+  /// The nearest hits of many rays, hits[k] of rays[k]: what first_hit() finds, faster. Rays that begin near
+  /// each other and go the same way should be near each other in the stream too: squares of 8 × 8 pixels,
+  /// rows in turn, are best. `hits` has as many entries as `rays` (assert). No allocation.
+  virtual void first_hits(std::span<const Ray> rays, std::span<StreamHit> hits) const;
+
+  /// Whether anything is hit at t ≤ `end`. False also for a ray that is not finite or has no direction, and
+  /// for an end that is no number. No allocation.
+  [[nodiscard]] virtual bool any_hit(const Ray& ray, double end) const;
+
+  /// The same of many rays: found[k] is 1 or 0, of rays[k] up to ends[k]. All spans have one length (assert).
+  virtual void any_hits(std::span<const Ray> rays, std::span<const double> ends,
+                        std::span<std::uint8_t> found) const;
+
+  /// How many steps first_hits() takes for these rays: places at which maps are looked up. 0 if it is not
+  /// counted.
+  [[nodiscard]] virtual std::uint64_t count_steps(std::span<const Ray> rays) const;
 
   /// Where a ray that begins inside the object leaves it: `t` of the exit, the last part inside as `element`,
   /// and the outward normal of the face it leaves by. False if the ray does not begin inside. No allocation.
@@ -47,6 +83,9 @@ class Caster {
 
   /// What the object's tiles cover, metres.
   [[nodiscard]] virtual Box3 object_box() const = 0;
+
+  /// What the prepared object takes, bytes: maps, tables and all.
+  [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;
 };
 
 }  // namespace mesocell

@@ -49,6 +49,14 @@ CellScene::CellScene(const CellObject& object)
   chebyshev_transform(solid_reach_, object.grid.tiles, Border::kOpen);
 }
 
+std::uint64_t CellScene::memory_bytes() const {
+  const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return sizeof(*this) + bytes(tile_.voxel_ids) + bytes(tile_.pieces) + inside_.memory_bytes() +
+         bytes(color_.voxels) + bytes(cell_colors_) + bytes(instance_colors_) + bytes(first_instance_) +
+         bytes(membership_.entries) + bytes(membership_.blocks) + bytes(voxel_reach_) + bytes(tile_reach_) +
+         bytes(solid_reach_);
+}
+
 double CellScene::tile_edge() const { return *std::max_element(resolution_.begin(), resolution_.end()); }
 
 void CellScene::tiles_around(const Voxel& tile, std::int64_t reach, Voxel& low, Voxel& high) const {

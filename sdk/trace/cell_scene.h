@@ -54,6 +54,7 @@ class CellScene {
   [[nodiscard]] Ray to_voxels(const Ray& ray) const;
   [[nodiscard]] double voxel_edge() const { return voxel_edge_; }
   [[nodiscard]] Box3 object_box() const { return box_; }
+  [[nodiscard]] std::uint64_t memory_bytes() const;
 
   /// Fills a hit on an INSIDE voxel. `t` in voxels.
   void set_hit(const WalkRay& ray, const WalkPlace& place, Hit& hit) const;

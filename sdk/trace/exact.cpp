@@ -46,6 +46,7 @@ class ExactCaster final : public Caster {
   Vec3 color(const Hit& hit, Vec3 point) const override { return scene_.color(hit, point); }
   double detail() const override { return scene_.voxel_edge(); }
   Box3 object_box() const override { return scene_.object_box(); }
+  std::uint64_t memory_bytes() const override { return scene_.memory_bytes(); }
 
  private:
   CellScene scene_;

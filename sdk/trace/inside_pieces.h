@@ -24,6 +24,10 @@ class InsidePieces {
     return sets_[std::size_t{entry - kFirstSet} * set_words_ + id / 64] >> (id % 64) & 1;
   }
 
+  [[nodiscard]] std::uint64_t memory_bytes() const {
+    return entries_.capacity() * sizeof(entries_[0]) + sets_.capacity() * sizeof(sets_[0]);
+  }
+
  private:
   static constexpr std::uint32_t kFirstSet = 2;
 

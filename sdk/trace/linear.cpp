@@ -91,6 +91,7 @@ class LinearCaster final : public Caster {
   double detail() const override { return scene_.voxel_edge(); }
   Vec3 shading_normal(const Hit& hit) const override { return scene_.shading_normal(hit); }
   Box3 object_box() const override { return scene_.object_box(); }
+  std::uint64_t memory_bytes() const override { return scene_.memory_bytes(); }
 
  private:
   static Voxel voxel_at_t(const WalkRay& ray, double t) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -121,6 +122,13 @@ class SceneCaster final : public Caster {
 
   [[nodiscard]] double detail() const override { return detail_; }
   [[nodiscard]] Box3 object_box() const override { return box_; }
+  [[nodiscard]] std::uint64_t memory_bytes() const override {
+    std::set<const Caster*> shared;
+    for (const Placed& p : placed_) shared.insert(p.caster);
+    std::uint64_t bytes = placed_.capacity() * sizeof(Placed);
+    for (const Caster* c : shared) bytes += c->memory_bytes();
+    return bytes;
+  }
 
  private:
   [[nodiscard]] Hit in_scene(Hit hit, std::size_t placement) const {

@@ -1,0 +1,41 @@
+#include "sdk/trace/caster.h"
+
+#include <cassert>
+
+namespace mesocell {
+
+StreamHit to_stream_hit(const Hit& hit) {
+  StreamHit out;
+  out.t = hit.t;
+  out.label = hit.label;
+  for (std::size_t a = 0; a < 3; ++a) {
+    out.element[a] = std::int32_t(hit.element[a]);
+    if (hit.face_normal[a] == 0) continue;
+    const bool axial = hit.face_normal[a] == 1 || hit.face_normal[a] == -1;
+    out.face = axial ? std::int8_t(2 * a + (hit.face_normal[a] > 0)) : StreamHit::kOther;
+  }
+  return out;
+}
+
+void Caster::first_hits(std::span<const Ray> rays, std::span<StreamHit> hits) const {
+  assert(rays.size() == hits.size());
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    Hit hit;
+    hits[k] = first_hit(rays[k], hit) ? to_stream_hit(hit) : StreamHit{};
+  }
+}
+
+bool Caster::any_hit(const Ray& ray, double end) const {
+  Hit hit;
+  return first_hit(ray, hit) && hit.t <= end;
+}
+
+void Caster::any_hits(std::span<const Ray> rays, std::span<const double> ends,
+                      std::span<std::uint8_t> found) const {
+  assert(rays.size() == ends.size() && rays.size() == found.size());
+  for (std::size_t k = 0; k < rays.size(); ++k) found[k] = any_hit(rays[k], ends[k]);
+}
+
+std::uint64_t Caster::count_steps(std::span<const Ray>) const { return 0; }
+
+}  // namespace mesocell
