@@ -1,6 +1,11 @@
 #include "sdk/trace/exact.h"
 
+#include <algorithm>
+#include <bit>
+#include <cassert>
+
 #include "sdk/trace/cell_scene.h"
+#include "sdk/trace/packets.h"
 #include "sdk/trace/walk.h"
 
 namespace mesocell {
@@ -8,19 +13,33 @@ namespace {
 
 class ExactCaster final : public Caster {
  public:
-  explicit ExactCaster(const CellObject& object) : scene_(object) {}
+  explicit ExactCaster(const CellObject& object)
+      : scene_(object), packets_(packets_supported() && scene_.packets(packet_scene_)) {}
 
   bool first_hit(const Ray& ray, Hit& hit) const override {
-    WalkRay walk;
-    WalkPlace place;
-    if (!WalkRay::make(scene_.to_voxels(ray), walk) || !enter_grid(walk, scene_.size(), place)) return false;
-    Voxel low{}, high{};
-    while (scene_.empty_box(place.voxel, low, high)) {
-      leave_box(walk, low, high, place);
-      if (!scene_.in_grid(place.voxel)) return false;
+    std::uint64_t steps = 0;
+    return walk(ray, hit, steps);
+  }
+
+  void first_hits(std::span<const Ray> rays, std::span<StreamHit> hits) const override {
+    assert(rays.size() == hits.size());
+    if (!packets_) return Caster::first_hits(rays, hits);
+    trace(rays, hits, nullptr);
+  }
+
+  std::uint64_t count_steps(std::span<const Ray> rays) const override {
+    std::uint64_t steps = 0;
+    std::array<StreamHit, kPacketRays> hits;
+    for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
+      const std::span<const Ray> some = rays.subspan(first, std::min(kPacketRays, rays.size() - first));
+      if (packets_) {
+        trace(some, std::span(hits).first(some.size()), &steps);
+        continue;
+      }
+      Hit hit;
+      for (const Ray& ray : some) walk(ray, hit, steps);
     }
-    scene_.set_hit(walk, place, hit);
-    return true;
+    return steps;
   }
 
   bool first_exit(const Ray& ray, Hit& hit) const override {
@@ -31,7 +50,7 @@ class ExactCaster final : public Caster {
     Voxel low{}, high{}, last{};
     do {
       // The last voxel inside is told by the face that the ray leaves by.
-      scene_.solid_box(place.voxel, low, high);
+      scene_.solid_box(place.voxel, walk.octant, low, high);
       last = leave_box(walk, low, high, place);
     } while (scene_.in_grid(place.voxel) && scene_.inside(place.voxel));
     WalkPlace exit = place;
@@ -49,7 +68,34 @@ class ExactCaster final : public Caster {
   std::uint64_t memory_bytes() const override { return scene_.memory_bytes(); }
 
  private:
+  bool walk(const Ray& ray, Hit& hit, std::uint64_t& steps) const {
+    WalkRay walk;
+    WalkPlace place;
+    if (!WalkRay::make(scene_.to_voxels(ray), walk) || !enter_grid(walk, scene_.size(), place)) return false;
+    Voxel low{}, high{};
+    for (++steps; scene_.empty_box(place.voxel, walk.octant, low, high); ++steps) {
+      leave_box(walk, low, high, place);
+      if (!scene_.in_grid(place.voxel)) return false;
+    }
+    scene_.set_hit(walk, place, hit);
+    return true;
+  }
+
+  void trace(std::span<const Ray> rays, std::span<StreamHit> hits, std::uint64_t* steps) const {
+    for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
+      const std::span<const Ray> some = rays.subspan(first, std::min(kPacketRays, rays.size() - first));
+      std::uint64_t undecided = trace_packets(packet_scene_, some, hits.data() + first, steps);
+      for (; undecided != 0; undecided &= undecided - 1) {
+        const std::size_t k = std::size_t(std::countr_zero(undecided));
+        Hit hit;
+        hits[first + k] = first_hit(some[k], hit) ? to_stream_hit(hit) : StreamHit{};
+      }
+    }
+  }
+
   CellScene scene_;
+  PacketScene packet_scene_;
+  bool packets_;
 };
 
 }  // namespace

@@ -38,7 +38,7 @@ class LinearCaster final : public Caster {
         continue;
       }
       Voxel low{}, high{};
-      if (scene_.empty_tiles(place.voxel, low, high)) {
+      if (scene_.empty_tiles(place.voxel, walk.octant, low, high)) {
         const double exit = std::min(leave_t(walk, low, high), end + step);
         before = t;
         n = std::max(n + 1, std::ceil((exit - entry) / step));

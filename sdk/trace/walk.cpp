@@ -51,6 +51,7 @@ bool WalkRay::make(const Ray& ray, WalkRay& out) {
       std::max({std::abs(ray.direction.x), std::abs(ray.direction.y), std::abs(ray.direction.z)});
   if (largest == 0) return false;
   const int exponent = std::ilogb(largest);
+  out.octant = 0;
   out.scale = std::ldexp(1.0, -exponent);
   for (std::size_t a = 0; a < 3; ++a) {
     const double o = ray.origin[a], d = std::ldexp(ray.direction[a], -exponent);
@@ -58,6 +59,7 @@ bool WalkRay::make(const Ray& ray, WalkRay& out) {
     out.origin[a] = std::abs(o) < kNegligible ? 0 : o;
     out.direction[a] = std::abs(d) < kNegligible ? 0 : d;
     out.inverse[a] = out.direction[a] == 0 ? 0 : 1 / out.direction[a];
+    out.octant |= unsigned{out.rises(a)} << a;
   }
   return true;
 }

@@ -22,6 +22,7 @@ struct WalkRay {
   std::array<double, 3> origin{}, direction{};
   std::array<double, 3> inverse{};  ///< 1 / direction, 0 where the direction is
   double scale = 1;                 ///< t of the ray that was given = scale · t of this one
+  unsigned octant = 0;              ///< bit a is set if the ray rises on axis a
 
   /// False if a number is not finite, the origin is beyond 2^46 voxels, or all of the direction is 0.
   [[nodiscard]] static bool make(const Ray& ray, WalkRay& out);

@@ -1,0 +1,157 @@
+#include "sdk/trace/beam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sdk/trace/tile_record.h"
+
+namespace mesocell {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Tiles of one slice that are looked at; a wider beam goes no further.
+constexpr std::int64_t kMostTiles = 12;
+
+using Voxels = std::array<std::int64_t, 3>;
+
+/// The greatest plane on the beam's axis known up to which no ray meets a tile that is not empty; from
+/// `plane`, which is one; infinite if no ray does at all.
+double through_empty_tiles(const BeamGrid& grid, const Beam& beam, double plane) {
+  const std::size_t k = beam.axis;
+  for (;;) {
+    // No ray is below this tile, mirrored, from the plane on.
+    Voxels corner{}, tile{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double way = std::max(plane - beam.high[k], 0.0);
+      const double least = a == k ? plane : beam.low[a] + way * beam.slope_low[a];
+      if (!(least < grid.size[a])) return kInfinity;
+      corner[a] = std::int64_t(std::max(least, 0.0)) / grid.resolution[a];
+      tile[a] = beam.octant >> a & 1 ? corner[a] : grid.tiles[a] - 1 - corner[a];
+    }
+    const std::uint32_t record =
+        grid.tile_records[tile[0] + grid.tiles[0] * (tile[1] + grid.tiles[1] * tile[2])];
+    if (record >= kFullTile) return plane;
+    const std::int64_t edge = empty_edge(record, beam.octant);
+    double next = kInfinity;
+    for (std::size_t a = 0; a < 3; ++a) {
+      // What is beyond the grid is empty too.
+      if (corner[a] + edge >= grid.tiles[a]) continue;
+      const double end = double((corner[a] + edge) * grid.resolution[a]);
+      if (a == k) {
+        next = std::min(next, end);
+      } else if (beam.high[a] + (grid.size[k] - beam.low[k]) * beam.slope_high[a] >= end) {
+        next = std::min(next, beam.low[k] + (end - beam.high[a]) / beam.slope_high[a]);
+      }
+    }
+    if (next >= grid.size[k]) return kInfinity;
+    if (!(next >= plane + 1)) return plane;
+    plane = next;
+  }
+}
+
+/// Parts first…last of an axis, as bits of a block of 4 × 4 × 4.
+Bits64 parts_along(std::size_t axis, std::int64_t first, std::int64_t last) {
+  const Bits64 of_axis = (Bits64{2} << last) - (Bits64{1} << first);  // four bits
+  if (axis == 0) return of_axis * 0x1111111111111111;
+  constexpr auto kSpread = [] {
+    std::array<Bits64, 16> spread{};  // each bit to four
+    for (std::size_t m = 0; m < 16; ++m)
+      for (std::size_t b = 0; b < 4; ++b) spread[m] |= m >> b & 1 ? Bits64{0xf} << (4 * b) : 0;
+    return spread;
+  }();
+  if (axis == 1) return kSpread[of_axis] * 0x0001000100010001;
+  const Bits64 halves = kSpread[of_axis];  // each to sixteen
+  return (halves & 0xf) * 0x1111 | (halves >> 4 & 0xf) * 0x11110000 | (halves >> 8 & 0xf) * 0x111100000000 |
+         (halves >> 12 & 0xf) * 0x1111000000000000;
+}
+
+/// Whether all parts that meet the box of voxels low…high are empty. What is beyond the grid is.
+bool parts_are_empty(const BeamGrid& grid, Voxels low, Voxels high) {
+  Voxels first{}, last{};
+  std::int64_t count = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    low[a] = std::max<std::int64_t>(low[a], 0);
+    high[a] = std::min(high[a], std::int64_t(grid.size[a]) - 1);
+    if (low[a] > high[a]) return true;
+    first[a] = low[a] / grid.resolution[a];
+    last[a] = high[a] / grid.resolution[a];
+    count *= last[a] - first[a] + 1;
+  }
+  if (count > kMostTiles) return false;
+  Voxels t{};
+  for (t[2] = first[2]; t[2] <= last[2]; ++t[2])
+    for (t[1] = first[1]; t[1] <= last[1]; ++t[1])
+      for (t[0] = first[0]; t[0] <= last[0]; ++t[0]) {
+        const std::uint32_t record = grid.tile_records[t[0] + grid.tiles[0] * (t[1] + grid.tiles[1] * t[2])];
+        if (record < kFullTile) continue;
+        Bits64 parts = grid.occupied_parts[record - kFullTile];
+        for (std::size_t a = 0; a < 3; ++a) {
+          const std::int64_t begin = t[a] * grid.resolution[a];
+          const std::int64_t from = std::max(low[a] - begin, std::int64_t{0});
+          const std::int64_t to = std::min(high[a] - begin, std::int64_t{grid.resolution[a]} - 1);
+          parts &= parts_along(a, from >> grid.part_shift[a], to >> grid.part_shift[a]);
+        }
+        if (parts != 0) return false;
+      }
+  return true;
+}
+
+/// As through_empty_tiles(), but through empty parts of tiles too.
+double through_empty_parts(const BeamGrid& grid, const Beam& beam, double plane) {
+  const std::size_t k = beam.axis;
+  const double slice = double(std::int64_t{1} << grid.part_shift[k]);
+  for (;;) {
+    const double next = (std::floor(plane / slice) + 1) * slice;
+    Voxels low{}, high{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      double least = plane, most = next;
+      if (a != k) {
+        least = beam.low[a] + std::max(plane - beam.high[k], 0.0) * beam.slope_low[a];
+        most = beam.high[a] + (next - beam.low[k]) * beam.slope_high[a];
+      }
+      if (!(least < grid.size[a])) return kInfinity;
+      // A coordinate on an integer is of the voxels on both sides.
+      least = std::max(least, 0.0) - 0x1p-10;
+      most = std::min(most, grid.size[a]) + 0x1p-10;
+      // Above -1, where adding 1 makes a floor of what is cut off.
+      low[a] = std::int64_t((beam.octant >> a & 1 ? least : grid.size[a] - most) + 1) - 1;
+      high[a] = std::int64_t((beam.octant >> a & 1 ? most : grid.size[a] - least) + 1) - 1;
+    }
+    if (!parts_are_empty(grid, low, high)) return plane;
+    plane = through_empty_tiles(grid, beam, next);
+    if (!(plane < grid.size[k])) return kInfinity;
+  }
+}
+
+}  // namespace
+
+bool add_to_beam(Beam& beam, const Beam& other) {
+  if (beam.axis != other.axis || beam.octant != other.octant) return false;
+  for (std::size_t a = 0; a < 3; ++a) {
+    beam.low[a] = std::min(beam.low[a], other.low[a]);
+    beam.high[a] = std::max(beam.high[a], other.high[a]);
+    beam.slope_low[a] = std::min(beam.slope_low[a], other.slope_low[a]);
+    beam.slope_high[a] = std::max(beam.slope_high[a], other.slope_high[a]);
+  }
+  return true;
+}
+
+void find_starts(const BeamGrid& grid, const Beam& all, const Beam* beams, std::size_t count,
+                 BeamStart* starts) {
+  const std::size_t k = all.axis;
+  const double together = through_empty_tiles(grid, all, std::max(all.low[k], 0.0));
+  for (std::size_t b = 0; b < count; ++b) {
+    double plane = together;
+    if (plane < grid.size[k]) plane = through_empty_parts(grid, beams[b], plane);
+    if (!(plane < grid.size[k])) {
+      starts[b].misses = true;
+      continue;
+    }
+    // Half a voxel before the plane rays are in the middle of nothing.
+    starts[b].axis = unsigned(k);
+    starts[b].plane = all.octant >> k & 1 ? plane - 0.5 : grid.size[k] - plane + 0.5;
+  }
+}
+
+}  // namespace mesocell

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "sdk/trace/octant_cubes.h"
+
+namespace mesocell {
+
+/// Rays that go nearly the same way, as bounds: in voxels, and mirrored on axes on which they fall, so that
+/// all go up. A ray has origin[a] in [low[a], high[a]] and direction[a] / direction[axis] in [slope_low[a],
+/// slope_high[a]].
+struct Beam {
+  unsigned axis = 0;    ///< on which all rays move
+  unsigned octant = 0;  ///< of the rays: bit a is set if they rise on axis a
+  std::array<double, 3> low{}, high{}, slope_low{}, slope_high{};
+};
+
+/// What a beam looks up: see CellScene.
+struct BeamGrid {
+  std::array<std::int32_t, 3> tiles{}, resolution{};
+  std::array<std::int32_t, 3> part_shift{};  ///< parts of tiles have 1 << part_shift voxels on an axis
+  std::array<double, 3> size{};              ///< of the grid, voxels
+  const std::uint32_t* tile_records = nullptr;
+  const std::uint64_t* occupied_parts = nullptr;  ///< of sets of pieces, not mirrored
+};
+
+/// Where the rays of a beam may begin, besides at their origins: they are known to meet nothing before they
+/// pass `plane`, in voxels and not mirrored, on `axis`; no such place is known if that is 3.
+struct BeamStart {
+  unsigned axis = 3;
+  double plane = 0;
+  bool misses = false;  ///< no ray hits anything
+};
+
+/// Widens a beam by another of the same axis; false if they go another way.
+[[nodiscard]] bool add_to_beam(Beam& beam, const Beam& other);
+
+/// Finds where the rays of each of `count` beams may begin, of which `all` is the union: through empty tiles
+/// all together, then each through empty parts of tiles.
+void find_starts(const BeamGrid& grid, const Beam& all, const Beam* beams, std::size_t count,
+                 BeamStart* starts);
+
+}  // namespace mesocell
