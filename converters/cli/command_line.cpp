@@ -163,7 +163,7 @@ void add_render(CLI::App& app, RenderCommand& command) {
       ->type_name("PICTURE");
   sub->add_option("--mode", command.mode, "first-hit (shaded), depth, cell, normal or color [first-hit]")
       ->type_name("MODE");
-  sub->add_option("--method", command.method, "exact, or linear:S with the step S in tile edges [exact]")
+  sub->add_option("--method", command.method, "exact, distance, linear:S with the step S in tile edges, or linear:S:angle [exact]")
       ->type_name("METHOD");
   sub->add_option("--size", command.size, "Size in pixels, each from 1 to 16384 [1024x768]")
       ->type_name("WxH");
