@@ -104,6 +104,7 @@ std::string cast_heat_map(std::span<const CastResult> results, std::string_view 
               "wrong rays, % of all:",
               {},
               {}};
+  map.column_width = 136;
   const std::size_t methods = count_methods(results);
   for (std::size_t m = 0; m < methods; ++m) map.columns.push_back(results[m].method);
   for (std::size_t k = 0; k < results.size(); ++k) {

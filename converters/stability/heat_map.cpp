@@ -10,8 +10,8 @@ namespace mesocell {
 namespace {
 
 // Pixels.
-constexpr int kLabelWidth = 250, kCellWidth = 104, kCellHeight = 19, kHead = 92, kGroupGap = 24, kMargin = 14,
-              kLegend = 64;
+constexpr int kLabelWidth = 250, kCellHeight = 19, kHead = 92, kGroupGap = 24, kMargin = 14, kLegend = 64,
+              kLegendWidth = 624;
 
 struct Color {
   int r, g, b;
@@ -110,14 +110,14 @@ std::string draw_heat_map(const HeatMap& map) {
   int groups = 0;
   for (std::size_t r = 0; r < map.rows.size(); ++r)
     groups += r == 0 || map.rows[r].group != map.rows[r - 1].group;
-  const int columns = int(map.columns.size());
-  const int width = 2 * kMargin + kLabelWidth + std::max(columns, 6) * kCellWidth;
+  const int columns = int(map.columns.size()), cell_width = map.column_width;
+  const int width = 2 * kMargin + kLabelWidth + std::max(columns * cell_width, kLegendWidth);
   const int height = kHead + groups * kGroupGap + int(map.rows.size()) * kCellHeight + kLegend;
   Svg svg(width, height);
   svg.text(kMargin, 26, map.title, "font-size=\"17\" fill=\"#111\"");
   svg.text(kMargin, 46, map.caption, "fill=\"#444\"");
   for (int m = 0; m < columns; ++m)
-    svg.text(kMargin + kLabelWidth + m * kCellWidth + kCellWidth / 2, kHead - 16, map.columns[std::size_t(m)],
+    svg.text(kMargin + kLabelWidth + m * cell_width + cell_width / 2, kHead - 16, map.columns[std::size_t(m)],
              "text-anchor=\"middle\" font-weight=\"bold\" fill=\"#111\"");
   int y = kHead - 8;
   for (std::size_t r = 0; r < map.rows.size(); ++r) {
@@ -130,10 +130,10 @@ std::string draw_heat_map(const HeatMap& map) {
     for (int m = 0; m < columns; ++m) {
       const HeatMap::Cell& cell = row.cells[std::size_t(m)];
       const Color color = cell.percent ? color_of(*cell.percent) : kNothing;
-      const int x = kMargin + kLabelWidth + m * kCellWidth;
-      svg.rectangle(x, y, kCellWidth, kCellHeight, color);
+      const int x = kMargin + kLabelWidth + m * cell_width;
+      svg.rectangle(x, y, cell_width, kCellHeight, color);
       const std::string attributes = std::string("text-anchor=\"middle\" fill=\"") + ink(color) + "\"";
-      svg.text(x + kCellWidth / 2, y + 14, cell.text, attributes.c_str());
+      svg.text(x + cell_width / 2, y + 14, cell.text, attributes.c_str());
     }
     y += kCellHeight;
   }

@@ -21,6 +21,7 @@ struct HeatMap {
   std::string legend;  ///< what the shares are of
   std::vector<std::string> columns;
   std::vector<Row> rows;
+  int column_width = 104;  ///< pixels
 };
 
 /// SVG 1.1, with a scale of colors, logarithmic from 0.01 to 100 %.
