@@ -163,7 +163,8 @@ void add_render(CLI::App& app, RenderCommand& command) {
       ->type_name("PICTURE");
   sub->add_option("--mode", command.mode, "first-hit (shaded), depth, cell, normal or color [first-hit]")
       ->type_name("MODE");
-  sub->add_option("--method", command.method, "exact, or linear:S with the step S in tile edges [exact]")
+  sub->add_option("--method", command.method,
+                  "exact, distance, linear:S with the step S in tile edges, or linear:S:angle [exact]")
       ->type_name("METHOD");
   sub->add_option("--size", command.size, "Size in pixels, each from 1 to 16384 [1024x768]")
       ->type_name("WxH");
@@ -246,10 +247,14 @@ void add_compare(CLI::App& app, CompareCommand& command) {
 }
 
 void add_stability(CLI::App& app, StabilityCommand& command) {
-  CLI::App* sub =
-      app.add_subcommand("stability", "Compare methods on damaged meshes, by their errors and cost");
-  sub->add_flag("--voxelize", command.voxelize,
-                "Test inside/outside voxelization (this is what there is to test)");
+  CLI::App* sub = app.add_subcommand(
+      "stability", "Compare methods on cases that are hard for them, by their errors and cost");
+  sub->add_flag("--voxelize", command.voxelize, "Test inside/outside voxelization, on damaged meshes");
+  sub->add_flag("--cast", command.cast,
+                "Test methods of tracing, on thin cells, gaps, grazing, far and aligned rays, and light");
+  sub->add_option("--rays", command.rays, "Rays a case of --cast, 16 to 100000 [4096]")
+      ->type_name("N")
+      ->check(CLI::Range(16u, 100000u).description(""));
   sub->add_flag("--benchmark", command.benchmark,
                 "Measure time, peak memory and wrong voxels at several sizes instead of the catalogue");
   sub->add_option("--resolution", command.resolution, "Voxels along the longest side, 16 to 512 [32]")

@@ -80,7 +80,7 @@ struct CompareCommand {
 
 struct StabilityCommand {
   CommonOptions common;
-  bool voxelize = false;
+  bool voxelize = false, cast = false;
   bool benchmark = false;
   std::optional<std::uint32_t> resolution;
   std::vector<std::string> meshes;
@@ -90,6 +90,7 @@ struct StabilityCommand {
   std::string csv, markdown, picture;
   std::optional<double> max_seconds;
   std::uint32_t repeat = 1;
+  std::optional<std::uint32_t> rays;  ///< a case of --cast
   bool no_clobber = false;
 };
 [[nodiscard]] int run_stability(const StabilityCommand& command);

@@ -7,10 +7,10 @@
 
 #include "converters/cli/commands.h"
 #include "converters/cli/progress_bar.h"
+#include "converters/cli/stability_output.h"
 #include "converters/import/mesh_file.h"
 #include "converters/stability/damage.h"
 #include "converters/stability/report.h"
-#include "format/file.h"
 #include "sdk/membership/diagnose.h"
 
 namespace mesocell {
@@ -20,16 +20,6 @@ using Json = nlohmann::ordered_json;
 
 /// Voxels along the longest side of a case of the catalogue: all of it takes about two minutes.
 constexpr std::uint32_t kResolution = 32;
-
-std::vector<std::string> words_of(const std::string& list) {
-  std::vector<std::string> words;
-  for (std::size_t begin = 0; begin <= list.size();) {
-    const std::size_t comma = std::min(list.find(',', begin), list.size());
-    if (comma > begin) words.push_back(list.substr(begin, comma - begin));
-    begin = comma + 1;
-  }
-  return words;
-}
 
 std::optional<Failure> find_methods(const std::string& list, std::vector<const Voxelizer*>& methods) {
   for (const std::string& word : words_of(list)) {
@@ -161,9 +151,6 @@ Json benchmark_json(std::span<const StabilityResult> results) {
 }
 
 std::optional<Failure> check(const StabilityCommand& command) {
-  if (!command.voxelize) return usage("stability", "say what to test: mesocell stability --voxelize");
-  if (!command.picture.empty() && !has_extension(command.picture, ".svg"))
-    return usage("--picture", "'" + command.picture + "' is no .svg file; give its name that extension");
   if (command.pairs.size() % 2)
     return usage("--pair", "'" + command.pairs.back() +
                                "' is alone; give two files, the broken mesh and the sound one");
@@ -171,37 +158,16 @@ std::optional<Failure> check(const StabilityCommand& command) {
     return usage("--picture", "--benchmark has no heat map; leave one of them out");
   if (command.benchmark && command.resolution)
     return usage("--resolution", "--benchmark takes --sizes instead, such as --sizes 256,512");
+  if (command.rays) return usage("--rays", "it is for --cast; leave it out");
   if (!command.benchmark && command.sizes)
     return usage("--sizes", "it is for --benchmark; the catalogue takes --resolution");
-  for (const std::string& path : {command.csv, command.markdown, command.picture})
-    if (!path.empty())
-      if (const Status status = check_output(path, command.no_clobber); !status)
-        return Failure{status.error(), path};
-  return std::nullopt;
-}
-
-std::optional<Failure> write_text(const std::string& path, const std::string& text, bool no_clobber) {
-  if (path.empty()) return std::nullopt;
-  if (const Status status = write_file(path, std::as_bytes(std::span(text)), no_clobber); !status)
-    return Failure{status.error(), path};
-  return std::nullopt;
+  return check_stability_outputs(command);
 }
 
 std::string caption_of(const StabilityCommand& command) {
   return std::to_string(command.resolution.value_or(kResolution)) + " voxels along the longest side; " +
          (command.meshes.empty() ? "generated meshes" : "meshes given") +
          ", figures of several meshes are joined";
-}
-
-/// Writes the files that were asked for.
-std::optional<Failure> write_results(const StabilityCommand& command,
-                                     std::span<const StabilityResult> results, const std::string& markdown,
-                                     const std::string& picture) {
-  for (const auto& [path, text] :
-       {std::pair(command.csv, stability_csv(results)), std::pair(command.markdown, markdown),
-        std::pair(command.picture, picture)})
-    if (auto failure = write_text(path, text, command.no_clobber)) return failure;
-  return std::nullopt;
 }
 
 int run_catalogue(const StabilityCommand& command, const Console& console,
@@ -217,8 +183,8 @@ int run_catalogue(const StabilityCommand& command, const Console& console,
   if (!results) return console.fail(results.error(), "");
   const StabilityTable table = tabulate(*results);
   const std::string markdown = stability_markdown(table);
-  if (const auto failure =
-          write_results(command, *results, markdown, stability_heat_map(table, caption_of(command))))
+  if (const auto failure = write_stability(command, stability_csv(*results), markdown,
+                                           stability_heat_map(table, caption_of(command))))
     return console.fail(*failure);
   if (console.json()) return console.finish(table_json(table).dump(2) + "\n");
   return console.finish(console.quiet() ? "" : markdown);
@@ -268,22 +234,25 @@ int run_benchmark(const StabilityCommand& command, const Console& console,
   bar.finish();
   if (!results) return console.fail(results.error(), "");
   const std::string markdown = benchmark_markdown(*results);
-  if (const auto failure = write_results(command, *results, markdown, "")) return console.fail(*failure);
+  if (const auto failure = write_stability(command, stability_csv(*results), markdown, ""))
+    return console.fail(*failure);
   if (console.json()) return console.finish(benchmark_json(*results).dump(2) + "\n");
   return console.finish(console.quiet() ? "" : markdown);
 }
 
 }  // namespace
 
-std::string stability_methods_help() { return "Methods: " + voxelizer_names() + " [all]"; }
+std::string stability_methods_help() {
+  return "Methods: of --voxelize " + voxelizer_names() + "; of --cast " + cast_method_names() + " [all]";
+}
 
 std::string stability_help() {
-  std::string text = "Methods:\n";
+  std::string text = "Methods of --voxelize:\n";
   for (const Voxelizer& v : voxelizers()) text += "  " + std::string(v.name) + ": " + v.description + "\n";
   text += "\nDamage:\n";
   for (const Damage& d : damages())
     text += "  " + std::string(d.name) + ": " + d.description + "; strength in parts " + d.unit + "\n";
-  return text +
+  return text + "\nMethods of --cast:\n" + cast_methods_help() +
          "\nWhat is truly inside is decided on the sound mesh: where its winding number is not 0, exactly. "
          "Each method "
          "runs in a process of its own; one that fails or takes too long is told as such.\n\n"
@@ -293,15 +262,27 @@ std::string stability_help() {
          "wrong_percent (of "
          "inside), wrong_far_percent (of far), seconds}}]; of --benchmark: kind, results [mesh, case, size, "
          "method, "
-         "cpu_seconds, memory_bytes and the same]\n\n"
+         "cpu_seconds, memory_bytes and the same]; of --cast: kind, methods, holds (whether exact does), "
+         "cases "
+         "[group, case, results {METHOD {verdict (holds, fails, fails as the source predicts), rays, hits, "
+         "missed, "
+         "wrong_cell, off (a hit that is over 1/16 voxel from the true one), false_hits, wrong_percent (of "
+         "rays), "
+         "miss_rate (of hits), false_hit_rate (of the others), depth_error_mean, depth_error_p99, "
+         "depth_error_max "
+         "(voxels), steps (of all rays)}}]. --cast exits with 1 if exact does not hold.\n\n"
          "Example:\n  mesocell stability --voxelize --csv table.csv --markdown table.md --picture table.svg\n"
          "  mesocell stability --voxelize --mesh bunny.off --cases holes,clean --methods openvdb,ours\n"
          "  mesocell stability --voxelize --pair elephant-with-holes.off elephant.off --cases pair\n"
-         "  mesocell stability --voxelize --benchmark --mesh bunny.off --sizes 256,512,1024\n";
+         "  mesocell stability --voxelize --benchmark --mesh bunny.off --sizes 256,512,1024\n"
+         "  mesocell stability --cast --csv cast.csv --picture cast.svg\n";
 }
 
 int run_stability(const StabilityCommand& command) {
   const Console console(command.common);
+  if (command.voxelize == command.cast)
+    return console.fail(usage("stability", "say what to test: mesocell stability --voxelize or --cast"));
+  if (command.cast) return run_cast_stability(command, console);
   if (const auto failure = check(command)) return console.fail(*failure);
   std::vector<const Voxelizer*> methods;
   if (const auto failure = find_methods(command.methods, methods)) return console.fail(*failure);

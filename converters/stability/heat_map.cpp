@@ -1,16 +1,17 @@
+#include "converters/stability/heat_map.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
-
-#include "converters/stability/report.h"
+#include <string_view>
 
 namespace mesocell {
 namespace {
 
 // Pixels.
-constexpr int kLabelWidth = 250, kCellWidth = 104, kCellHeight = 19, kHead = 92, kGroupGap = 24, kMargin = 14,
-              kLegend = 64;
+constexpr int kLabelWidth = 250, kCellHeight = 19, kHead = 92, kGroupGap = 24, kMargin = 14, kLegend = 64,
+              kLegendWidth = 624;
 
 struct Color {
   int r, g, b;
@@ -86,15 +87,8 @@ class Svg {
 
 const char* ink(Color c) { return 3 * c.r + 6 * c.g + c.b < 1100 ? "#fff" : "#222"; }
 
-const char* group_title(const std::string& group) {
-  if (group == "clean") return "Clean meshes";
-  if (group == "damage") return "Damaged meshes";
-  if (group == "geometry") return "Sound meshes that are hard on a grid";
-  return "Broken meshes against their sound twins";
-}
-
-void add_legend(Svg& svg, int y) {
-  svg.text(kMargin, y + 13, "wrong voxels, % of those truly inside:", "fill=\"#444\"");
+void add_legend(Svg& svg, int y, std::string_view legend) {
+  svg.text(kMargin, y + 13, legend, "fill=\"#444\"");
   int x = kMargin + kLabelWidth;
   const auto box = [&](Color color, const char* text) {
     svg.rectangle(x, y, 22, kCellHeight, color);
@@ -112,40 +106,38 @@ void add_legend(Svg& svg, int y) {
 
 }  // namespace
 
-std::string stability_heat_map(const StabilityTable& table, std::string_view caption) {
+std::string draw_heat_map(const HeatMap& map) {
   int groups = 0;
-  for (std::size_t r = 0; r < table.rows.size(); ++r)
-    groups += r == 0 || table.rows[r].group != table.rows[r - 1].group;
-  const int columns = int(table.methods.size());
-  const int width = 2 * kMargin + kLabelWidth + std::max(columns, 6) * kCellWidth;
-  const int height = kHead + groups * kGroupGap + int(table.rows.size()) * kCellHeight + kLegend;
+  for (std::size_t r = 0; r < map.rows.size(); ++r)
+    groups += r == 0 || map.rows[r].group != map.rows[r - 1].group;
+  const int columns = int(map.columns.size()), cell_width = map.column_width;
+  const int width = 2 * kMargin + kLabelWidth + std::max(columns * cell_width, kLegendWidth);
+  const int height = kHead + groups * kGroupGap + int(map.rows.size()) * kCellHeight + kLegend;
   Svg svg(width, height);
-  svg.text(kMargin, 26, "Inside or outside? Wrong voxels by method and case",
-           "font-size=\"17\" fill=\"#111\"");
-  svg.text(kMargin, 46, caption, "fill=\"#444\"");
+  svg.text(kMargin, 26, map.title, "font-size=\"17\" fill=\"#111\"");
+  svg.text(kMargin, 46, map.caption, "fill=\"#444\"");
   for (int m = 0; m < columns; ++m)
-    svg.text(kMargin + kLabelWidth + m * kCellWidth + kCellWidth / 2, kHead - 16,
-             table.methods[std::size_t(m)], "text-anchor=\"middle\" font-weight=\"bold\" fill=\"#111\"");
+    svg.text(kMargin + kLabelWidth + m * cell_width + cell_width / 2, kHead - 16, map.columns[std::size_t(m)],
+             "text-anchor=\"middle\" font-weight=\"bold\" fill=\"#111\"");
   int y = kHead - 8;
-  for (std::size_t r = 0; r < table.rows.size(); ++r) {
-    const StabilityTable::Row& row = table.rows[r];
-    if (r == 0 || row.group != table.rows[r - 1].group) {
+  for (std::size_t r = 0; r < map.rows.size(); ++r) {
+    const HeatMap::Row& row = map.rows[r];
+    if (r == 0 || row.group != map.rows[r - 1].group) {
       y += kGroupGap;
-      svg.text(kMargin, y - 7, group_title(row.group), "font-weight=\"bold\" fill=\"#444\"");
+      svg.text(kMargin, y - 7, row.group, "font-weight=\"bold\" fill=\"#444\"");
     }
     svg.text(kMargin + kLabelWidth - 8, y + 14, row.name, "text-anchor=\"end\" fill=\"#111\"");
     for (int m = 0; m < columns; ++m) {
-      const StabilityTable::Cell& cell = row.cells[std::size_t(m)];
-      const bool number = cell.measured && !cell.failed && !cell.too_long;
-      const Color color = number ? color_of(cell.voxels.wrong_percent()) : kNothing;
-      const int x = kMargin + kLabelWidth + m * kCellWidth;
-      svg.rectangle(x, y, kCellWidth, kCellHeight, color);
+      const HeatMap::Cell& cell = row.cells[std::size_t(m)];
+      const Color color = cell.percent ? color_of(*cell.percent) : kNothing;
+      const int x = kMargin + kLabelWidth + m * cell_width;
+      svg.rectangle(x, y, cell_width, kCellHeight, color);
       const std::string attributes = std::string("text-anchor=\"middle\" fill=\"") + ink(color) + "\"";
-      svg.text(x + kCellWidth / 2, y + 14, cell_text(cell), attributes.c_str());
+      svg.text(x + cell_width / 2, y + 14, cell.text, attributes.c_str());
     }
     y += kCellHeight;
   }
-  add_legend(svg, y + 20);
+  add_legend(svg, y + 20, map.legend);
   return std::move(svg).finish();
 }
 

@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "converters/stability/heat_map.h"
+
 namespace mesocell {
 namespace {
 
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + "\"";
+const char* group_title(const std::string& group) {
+  if (group == "clean") return "Clean meshes";
+  if (group == "damage") return "Damaged meshes";
+  if (group == "geometry") return "Sound meshes that are hard on a grid";
+  return "Broken meshes against their sound twins";
 }
 
 const char* outcome_name(RunOutcome outcome) {
@@ -72,6 +71,16 @@ StabilityTable tabulate(std::span<const StabilityResult> results) {
     if (r.run.outcome == RunOutcome::kDone) cell.voxels += r.voxels;
   }
   return table;
+}
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + "\"";
 }
 
 std::string percent_text(double percent) {
@@ -146,6 +155,24 @@ std::string benchmark_markdown(std::span<const StabilityResult> results) {
     out += text;
   }
   return out;
+}
+
+std::string stability_heat_map(const StabilityTable& table, std::string_view caption) {
+  HeatMap map{"Inside or outside? Wrong voxels by method and case",
+              std::string(caption),
+              "wrong voxels, % of those truly inside:",
+              table.methods,
+              {}};
+  for (const StabilityTable::Row& row : table.rows) {
+    HeatMap::Row drawn{group_title(row.group), row.name, {}};
+    for (const StabilityTable::Cell& cell : row.cells) {
+      drawn.cells.push_back({std::nullopt, cell_text(cell)});
+      if (cell.measured && !cell.failed && !cell.too_long)
+        drawn.cells.back().percent = cell.voxels.wrong_percent();
+    }
+    map.rows.push_back(std::move(drawn));
+  }
+  return draw_heat_map(map);
 }
 
 }  // namespace mesocell

@@ -26,6 +26,9 @@ struct StabilityTable {
 };
 [[nodiscard]] StabilityTable tabulate(std::span<const StabilityResult> results);
 
+/// A field of CSV, in quotes if it must be.
+[[nodiscard]] std::string csv_field(const std::string& text);
+
 /// Per cent for people: "0", "<0.01", "0.03", "1.2", "35". A number that is not 0 does not become "0".
 [[nodiscard]] std::string percent_text(double percent);
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "sdk/trace/distance.h"
 #include "sdk/trace/exact.h"
 #include "sdk/trace/linear.h"
 
@@ -44,11 +45,20 @@ constexpr Method kMethods[] = {
      }},
     {"linear",
      [](const CellObject& object, std::string_view parameter) -> Made {
-       const auto step = to_step(parameter);
-       if (!step)
-         return Error{ErrorCode::kUsage,
-                      "method linear needs a step in tile edges from 1e-6 to 1, as in linear:1/512"};
-       return make_linear_caster(object, *step);
+       const std::size_t colon = parameter.find(':');
+       const auto step = to_step(parameter.substr(0, colon));
+       if (!step || (colon != std::string_view::npos && parameter.substr(colon) != ":angle"))
+         return Error{
+             ErrorCode::kUsage,
+             "method linear needs a step in tile edges from 1e-6 to 1, as in linear:1/512 or, with the step "
+             "shortened by the angle, linear:1/512:angle"};
+       return make_linear_caster(object, *step,
+                                 colon == std::string_view::npos ? LinearStep::kFixed : LinearStep::kByAngle);
+     }},
+    {"distance",
+     [](const CellObject& object, std::string_view parameter) -> Made {
+       if (!parameter.empty()) return Error{ErrorCode::kUsage, "method distance takes no parameter"};
+       return make_distance_caster(object);
      }},
 };
 

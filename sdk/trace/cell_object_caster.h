@@ -10,9 +10,10 @@
 
 namespace mesocell MESOCELL_API {
 
-/// Prepares a cell object for a method: "exact", or "linear:S" with the step S in tile edges, written as a
-/// fraction ("linear:1/512") or a decimal. Errors: kUsage (unknown method, step not in (0, 1]).
-/// `object` is copied where it is needed; it may be destroyed afterwards.
+/// Prepares a cell object for a method: "exact"; "linear:S" with the step S in tile edges, written as a
+/// fraction ("linear:1/512") or a decimal; "linear:S:angle", whose step is shorter for rays along the
+/// surface; "distance". Errors: kUsage (unknown method, step not in (0, 1]). `object` is copied where it is
+/// needed; it may be destroyed afterwards.
 [[nodiscard]] Result<std::unique_ptr<Caster>> make_cell_object_caster(const CellObject& object,
                                                                       std::string_view method);
 

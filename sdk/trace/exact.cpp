@@ -77,6 +77,7 @@ class ExactCaster final : public Caster {
       leave_box(walk, low, high, place);
       if (!scene_.in_grid(place.voxel)) return false;
     }
+    place.entry_axis = entry_axis(walk, place.voxel);
     scene_.set_hit(walk, place, hit);
     return true;
   }

@@ -299,7 +299,7 @@ HWY_INLINE void begin(const PacketScene& s, const BeamStart& start, const Rays& 
   p.octant = integer(7);
   p.doubtful = load(rays.doubtful + first);
   F t = real(-1), passage[3];
-  MF outside[3];
+  MF outside[3], in_grid = p.doubtful == p.doubtful;
   for (std::size_t a = 0; a < 3; ++a) {
     p.origin[a] = load(rays.origin[a] + first);
     p.direction[a] = load(rays.direction[a] + first);
@@ -312,6 +312,10 @@ HWY_INLINE void begin(const PacketScene& s, const BeamStart& start, const Rays& 
     outside[a] = under | (real(s.size[a]) <= p.origin[a]);
     passage[a] = (select(under, zero, real(s.size[a])) - p.origin[a]) * p.inverse[a];
     t = select(outside[a], max(t, passage[a]), t);
+    // A ray outside that goes away, or nowhere on the axis, never is in the grid; one on the border is for
+    // the exact walk.
+    in_grid = in_grid & (~outside[a] | ((zero <= passage[a]) & (passage[a] < real(0x1p500))));
+    p.doubtful = select(p.origin[a] == real(s.size[a]), real(-1), p.doubtful);
   }
   // On which axis the grid is entered, if it is.
   MF on[3];
@@ -326,7 +330,6 @@ HWY_INLINE void begin(const PacketScene& s, const BeamStart& start, const Rays& 
   }
   const MF moved = zero < t;
   t = max(t, zero);
-  MF in_grid = p.doubtful == p.doubtful;
   p.doubt = zero;
   for (std::size_t a = 0; a < 3; ++a) {
     const F border = select(p.origin[a] < zero, real(0.5), real(s.size[a] - 0.5));

@@ -115,4 +115,22 @@ bool enter_grid(const WalkRay& ray, const Voxel& size, WalkPlace& place) {
   return true;
 }
 
+int entry_axis(const WalkRay& ray, const Voxel& v) {
+  bool begins = true;
+  int axis = -1;
+  Passage last;
+  double last_t = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    begins = begins && double(v[a]) == std::floor(ray.origin[a]);
+    if (ray.direction[a] == 0) continue;
+    const Passage p{a, v[a] + (ray.rises(a) ? 0 : 1)};
+    const double t = passage_t(ray, p);
+    if (axis >= 0 && !comes_before(ray, last, last_t, p, t)) continue;
+    axis = int(a);
+    last = p;
+    last_t = t;
+  }
+  return begins ? -1 : axis;
+}
+
 }  // namespace mesocell

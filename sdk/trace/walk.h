@@ -89,6 +89,12 @@ struct WalkPlace {
 /// The first voxel of the grid [0, size) that the ray visits. False if there is none.
 [[nodiscard]] bool enter_grid(const WalkRay& ray, const Voxel& size, WalkPlace& place);
 
+/// The axis of the face by which a ray enters voxel `v`, which it visits. [spec 4.9, Face] Of the passages
+/// through those planes of the voxel that face the ray it is the last one's, of several that come at once the
+/// least. It so depends on ray and voxel alone, not on the boxes that a walk came through. -1 if the ray
+/// begins in the voxel.
+[[nodiscard]] int entry_axis(const WalkRay& ray, const Voxel& v);
+
 /// Moves on to the first voxel visited outside the box [low, high) of voxels, which holds the present one,
 /// and returns the last voxel visited within.
 inline Voxel leave_box(const WalkRay& ray, const Voxel& low, const Voxel& high, WalkPlace& place) {

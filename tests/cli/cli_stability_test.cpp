@@ -67,6 +67,34 @@ TEST_CASE("a mesh and a pair of one's own are measured") {
   CHECK(run_command({"stability", "--voxelize", "--pair", b, a}).exit == 3);
 }
 
+TEST_CASE("a small catalogue of casting gives verdicts, tables and a picture") {
+  const TempFolder folder;
+  const Run run = run_command({"stability", "--cast", "--rays", "100", "--cases", "wall,light", "--methods",
+                               "exact,linear:1/128", "--csv", folder.file("t.csv"), "--markdown",
+                               folder.file("t.md"), "--picture", folder.file("t.svg"), "--json"});
+  INFO(run.err);
+  REQUIRE(run.exit == 0);
+  CHECK(folder.list() == std::vector<std::string>{"t.csv", "t.md", "t.svg"});
+  const auto json = run.json();
+  CHECK(json["kind"] == "cast");
+  CHECK(json["holds"] == true);
+  CHECK(json["methods"] == std::vector<std::string>{"exact", "linear:1/128"});
+  REQUIRE(json["cases"].size() == 3 + 4 + 3);
+  const auto wall = json["cases"][0];
+  CHECK(wall["case"] == "wall 1 voxel");
+  CHECK(wall["results"]["exact"]["verdict"] == "holds");
+  CHECK(wall["results"]["exact"]["rays"] == 100);
+  CHECK(wall["results"]["linear:1/128"]["verdict"] == "fails as the source predicts");
+  CHECK(wall["results"]["linear:1/128"]["missed"] > 5);
+  CHECK(std::ranges::count(read_bytes(folder.file("t.csv")), '\n') == 1 + 2 * 10);
+  CHECK(read_bytes(folder.file("t.svg")).starts_with("<svg "));
+  CHECK(read_bytes(folder.file("t.md")).find("| wall 1 voxel | holds |") != std::string::npos);
+  // The same on any number of threads.
+  const Run again = run_command({"stability", "--cast", "--rays", "100", "--cases", "wall,light", "--methods",
+                                 "exact,linear:1/128", "--json", "--threads", "1"});
+  CHECK(again.out == run.out);
+}
+
 TEST_CASE("mistakes on the command line of stability end with 2 and say what to do") {
   const TempFolder folder;
   for (const auto& [words, hint] : std::vector<std::pair<std::vector<std::string>, std::string>>{
@@ -78,7 +106,15 @@ TEST_CASE("mistakes on the command line of stability end with 2 and say what to 
            {{"--voxelize", "--sizes", "64"}, "--benchmark"},
            {{"--voxelize", "--benchmark", "--sizes", "64,many"}, "number"},
            {{"--voxelize", "--benchmark", "--resolution", "64"}, "--sizes"},
-           {{"--voxelize", "--pair", "a.off"}, "two files"}}) {
+           {{"--voxelize", "--pair", "a.off"}, "two files"},
+           {{"--voxelize", "--cast"}, "--cast"},
+           {{"--voxelize", "--rays", "100"}, "--cast"},
+           {{"--cast", "--methods", "guess"}, "linear:1/512"},
+           {{"--cast", "--cases", "earthquake"}, "needle"},
+           {{"--cast", "--rays", "3"}, "--help"},
+           {{"--cast", "--resolution", "32"}, "--voxelize"},
+           {{"--cast", "--benchmark"}, "--voxelize"},
+           {{"--cast", "--picture", folder.file("a.png")}, ".svg"}}) {
     std::vector<std::string> all{"stability"};
     all.insert(all.end(), words.begin(), words.end());
     const Run run = run_command(all);
@@ -88,6 +124,7 @@ TEST_CASE("mistakes on the command line of stability end with 2 and say what to 
     CHECK(run.err.find(hint) != std::string::npos);
   }
   CHECK(run_command({"stability", "--voxelize", "--csv", "/nowhere/a.csv"}).exit == 4);
+  CHECK(run_command({"stability", "--cast", "--csv", "/nowhere/a.csv"}).exit == 4);
   CHECK(folder.list().empty());
 }
 
@@ -100,5 +137,16 @@ TEST_CASE("an interrupted catalogue ends with 130") {
       run_command({"stability", "--voxelize", "--resolution", "200", "--csv", folder.file("a.csv")}, options);
   CHECK(run.exit == 130);
   CHECK(run.messages() == 1);
+  CHECK(folder.list().empty());
+}
+
+TEST_CASE("an interrupted catalogue of casting ends with 130") {
+  const TempFolder folder;
+  RunOptions options;
+  options.signal = SIGINT;
+  options.signal_after = std::chrono::milliseconds(500);
+  const Run run =
+      run_command({"stability", "--cast", "--rays", "20000", "--csv", folder.file("a.csv")}, options);
+  CHECK(run.exit == 130);
   CHECK(folder.list().empty());
 }

@@ -43,12 +43,19 @@ inline WideRational middle(const WideRational& a, const WideRational& b) {
 template <typename Q>
 struct OracleHit {
   Voxel voxel{};
-  Q t{};                       ///< the first time at, or right after, which the voxel is visited
-  std::array<bool, 3> axes{};  ///< which axes have a plane there
+  Q t{};          ///< the first time at, or right after, which the voxel is visited
+  int face = -1;  ///< by which it is entered: 2 · axis, + 1 if the normal points up the axis; -1: the ray
+                  ///< begins there
 };
 
-/// Whether voxel `v` of the grid is of an INSIDE instance.
-inline bool is_inside(const CellObject& o, const Voxel& v) {
+/// A cell and the index of the home tile of one of its instances.
+struct OracleInstance {
+  std::uint32_t cell = 0;
+  std::int64_t home = 0;
+};
+
+/// The INSIDE instance that voxel `v` of the grid is of, if there is one.
+inline std::optional<OracleInstance> instance_at(const CellObject& o, const Voxel& v) {
   std::array<std::int64_t, 3> tile{}, at{}, home{};
   for (std::size_t a = 0; a < 3; ++a) {
     tile[a] = v[a] / o.tile.resolution[a];
@@ -56,15 +63,35 @@ inline bool is_inside(const CellObject& o, const Voxel& v) {
   }
   const std::uint32_t id =
       o.tile.id(o.tile.voxel_index(std::uint32_t(at[0]), std::uint32_t(at[1]), std::uint32_t(at[2])));
-  if (id == 0) return false;
+  if (id == 0) return std::nullopt;
   const Piece& p = o.tile.pieces[id - 1];
   for (std::size_t a = 0; a < 3; ++a) {
     home[a] = tile[a] + p.home[a];
-    if (home[a] < 0 || home[a] >= o.grid.tiles[a]) return false;
+    if (home[a] < 0 || home[a] >= o.grid.tiles[a]) return std::nullopt;
   }
-  return o.membership.tag(
-             o.grid.tile_index(std::uint32_t(home[0]), std::uint32_t(home[1]), std::uint32_t(home[2])),
-             p.cell) == Tag::kInside;
+  const std::uint64_t index =
+      o.grid.tile_index(std::uint32_t(home[0]), std::uint32_t(home[1]), std::uint32_t(home[2]));
+  if (o.membership.tag(index, p.cell) != Tag::kInside) return std::nullopt;
+  return OracleInstance{p.cell, std::int64_t(index)};
+}
+
+/// Whether voxel `v` of the grid is of an INSIDE instance.
+inline bool is_inside(const CellObject& o, const Voxel& v) { return instance_at(o, v).has_value(); }
+
+/// By which face a ray enters voxel `v` at `t`. [spec 4.9, Face] -1 if it begins there.
+template <typename Q>
+int face_by_definition(const std::array<Q, 3>& origin, const std::array<Q, 3>& direction,
+                       const std::array<Q, 3>& inverse, const Voxel& v, const Q& t) {
+  const Q zero{};
+  bool begins = true;
+  int rising = -1, falling = -1;
+  for (std::size_t a = 3; a-- > 0;) {
+    begins = begins && floor_of(origin[a]) == v[a];
+    const bool rises = zero < direction[a];
+    if (direction[a] == zero || !((Q(v[a] + !rises, 1) + Q(-1, 1) * origin[a]) * inverse[a] == t)) continue;
+    (rises ? rising : falling) = int(2 * a) + !rises;
+  }
+  return begins ? -1 : falling >= 0 ? falling : rising;
 }
 
 /// The first visited voxel of an INSIDE instance, for a ray in voxel units.
@@ -97,22 +124,20 @@ std::optional<OracleHit<Q>> first_hit_by_definition(const CellObject& object, co
     }
   }
   std::sort(events.begin(), events.end(), [](const Event& p, const Event& q) { return p.t < q.t; });
-  const auto planes_at = [&](const Q& t) {
-    std::array<bool, 3> axes{};
-    for (const Event& e : events) axes[e.axis] = axes[e.axis] || e.t == t;
-    return axes;
+  const auto hit = [&](const Voxel& v, const Q& t) {
+    return OracleHit<Q>{v, t, face_by_definition(origin, direction, inverse, v, t)};
   };
-  if (const Voxel v = voxel_at(zero); hits(v)) return OracleHit<Q>{v, zero, {}};
+  if (const Voxel v = voxel_at(zero); hits(v)) return hit(v, zero);
   for (std::size_t k = 0; k < events.size(); ++k) {
     const Q& t = events[k].t;
     if (k > 0 && t == events[k - 1].t) continue;
     if (k == 0 && zero < t)
-      if (const Voxel v = voxel_at(middle(zero, t)); hits(v)) return OracleHit<Q>{v, zero, {}};
-    if (const Voxel v = voxel_at(t); hits(v)) return OracleHit<Q>{v, t, planes_at(t)};
+      if (const Voxel v = voxel_at(middle(zero, t)); hits(v)) return hit(v, zero);
+    if (const Voxel v = voxel_at(t); hits(v)) return hit(v, t);
     std::size_t next = k + 1;
     while (next < events.size() && events[next].t == t) ++next;
     const Q after = next < events.size() ? middle(t, events[next].t) : t + Q(1, 1);
-    if (const Voxel v = voxel_at(after); hits(v)) return OracleHit<Q>{v, t, planes_at(t)};
+    if (const Voxel v = voxel_at(after); hits(v)) return hit(v, t);
   }
   return std::nullopt;
 }

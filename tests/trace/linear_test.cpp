@@ -139,10 +139,12 @@ TEST_CASE("linear search is never nearer than exact tracing") {
 TEST_CASE("methods are chosen by name, and wrong names are usage errors") {
   Rng rng(4);
   const CellObject object = random_object(rng, "voronoi:cells=2,resolution=4", {2, 2, 2}, 0.5);
-  for (const char* good : {"exact", "linear:1/512", "linear:0.01", "linear:1"})
+  for (const char* good :
+       {"exact", "linear:1/512", "linear:0.01", "linear:1", "linear:1/128:angle", "distance"})
     CHECK(make_cell_object_caster(object, good).ok());
   for (const char* bad : {"", "magic", "exact:1", "linear", "linear:", "linear:0", "linear:2", "linear:-1/8",
-                          "linear:1/0", "linear:nan", "linear:1/512/2", "linear:1e-9"}) {
+                          "linear:1/0", "linear:nan", "linear:1/512/2", "linear:1e-9",
+                          "linear:1/8:", "linear:1/8:angel", "linear::angle", "distance:2"}) {
     const auto caster = make_cell_object_caster(object, bad);
     INFO(bad);
     REQUIRE_FALSE(caster.ok());
