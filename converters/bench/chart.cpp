@@ -143,11 +143,12 @@ std::string subject_of(const std::vector<Row>& rows) {
          std::to_string(rows.front().threads) + (rows.front().threads == 1 ? " thread" : " threads");
 }
 
-/// The scene whose steps are known at the most angles: those of several do not lie on one line.
+/// The scene whose steps are known at the most angles, two at least: those of several do not lie on one line.
 std::string richest_scene(const std::vector<Row>& rows) {
   std::map<std::string, std::set<double>> angles;
   for (const Row& row : rows)
     if (row.steps && row.angle) angles[row.scene].insert(*row.angle);
+  std::erase_if(angles, [](const auto& entry) { return entry.second.size() < 2; });
   std::string best;
   for (const Row& row : rows)  // the first of several
     if (const auto of = angles.find(row.scene); of != angles.end())

@@ -46,7 +46,7 @@ struct Chart {
   ChartError error = ChartError::kWrong;
   bool only_missed = false;  ///< kWrong counts hits missed alone, as the table has no more
   std::string subject;       ///< scene, camera, rays, threads
-  std::string steps_scene;   ///< what the steps are of
+  std::string steps_scene;   ///< what the steps are of; empty if there is no curve of them
   std::string processor;     ///< empty if it is not told
 };
 

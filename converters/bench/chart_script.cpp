@@ -150,7 +150,7 @@ class Panel {
     axis("x", x);
     axis("y", y);
     text(y.title, area_.x0 - 64, (area_.y0 + area_.y1) / 2, "center rotate by 90");
-    text(title, area_.x0, area_.y1 + 16, "left font ',13'");
+    text(title, area_.x0, area_.y1 + 16, "left font title_font");
   }
 
   void line(double ax, double ay, double bx, double by, const std::string& style) {
@@ -238,6 +238,11 @@ void draw_against_error(Panel panel, const Chart& chart, const std::string& titl
   }
   std::vector<LabelAnchor> anchors;
   std::vector<PixelBox> lines;
+  for (std::size_t k = 1; k < steps.size(); ++k) {
+    const auto [x0, x1] = std::minmax({panel.pixel_x(steps[k - 1].first), panel.pixel_x(steps[k].first)});
+    const auto [y0, y1] = std::minmax({panel.pixel_y(steps[k - 1].second), panel.pixel_y(steps[k].second)});
+    lines.push_back({x0 - 3, y0 - 3, x1 + 3, y1 + 3});
+  }
   for (const ChartMethod& m : chart.methods) {
     const Look look = look_of(m.name);
     const double px = x.at(m.error.median), py = y.at((m.*value).median);
@@ -253,7 +258,7 @@ void draw_against_error(Panel panel, const Chart& chart, const std::string& titl
       box(px, y.at((m.*value).low), px, y.at((m.*value).high));
     }
     panel.curve({{px, py}},
-                "points pt " + std::to_string(look.mark) + " ps 1.4 lw 1.5 lc rgb '" + look.color + "'");
+                "points pt " + std::to_string(look.mark) + " ps mark lw 1.5 lc rgb '" + look.color + "'");
     anchors.push_back({m.name.substr(0, 40), panel.pixel_x(px), panel.pixel_y(py)});
   }
   const std::vector<PlacedLabel> labels = place_labels(anchors, lines, panel.area());
@@ -292,8 +297,8 @@ void draw_steps(Panel panel, const Chart& chart) {
     std::vector<std::pair<double, double>> points;
     for (const auto& [angle, steps] : m.steps)
       points.emplace_back(std::log10(std::max(angle, 0.01)), std::log10(std::max(steps, 0.1)));
-    panel.curve(points,
-                "linespoints pt " + std::to_string(look.mark) + " ps 0.8 lw 1.5 lc rgb '" + look.color + "'");
+    panel.curve(points, "linespoints pt " + std::to_string(look.mark) + " ps small_mark lw 1.5 lc rgb '" +
+                            look.color + "'");
     ends.push_back({panel.pixel_y(points.back().second), &m});
   }
   // From below upwards each at least a line above the last; then all down again if that went too far.
@@ -328,6 +333,9 @@ std::string chart_script(const Chart& chart, const ChartPicture& picture) {
   std::string script = std::string("set terminal ") + (picture.png ? "pngcairo" : "svg") + " size " +
                        number(kWidth) + "," + number(height) + " noenhanced background rgb 'white' font '" +
                        (picture.png ? "DejaVu Sans,9" : "DejaVu Sans,Verdana,sans-serif,11.5") + "'\n";
+  // The terminals have units of their own.
+  script += picture.png ? "title_font = ',13'\nmark = 1.4\nsmall_mark = 0.8\n"
+                        : "title_font = ',16.5'\nmark = 1\nsmall_mark = 0.6\n";
   script += "unset key\nunset tics\nunset border\nset multiplot\n";
   // The head is a plot of nothing.
   const PixelBox page{75, height - kHead, kWidth - 20, height};
@@ -344,7 +352,7 @@ std::string chart_script(const Chart& chart, const ChartPicture& picture) {
     script += "set label " + gnuplot_text(what) + " at screen " + number(page.x0 / kWidth) + "," +
               number(y / height) + " left " + style + "\n";
   };
-  head(chart.subject, height - 22, "font ',13'");
+  head(chart.subject, height - 22, "font title_font");
   head(std::string(several ? "points: medians, thin lines: ranges; " : "") +
            "grey: what no method beats in both (Pareto front)" +
            (chart.processor.empty() ? "" : "; " + chart.processor),
@@ -369,7 +377,8 @@ std::string chart_script(const Chart& chart, const ChartPicture& picture) {
     const double right = kWidth - 16 - std::min(longest_name(chart), 220.0);
     draw_steps(Panel(script, {left, top - kAbove - kSmall, right, top - kAbove}, height), chart);
   }
-  return script + "unset multiplot\n";
+  script += "unset multiplot\n";
+  return script;
 }
 
 }  // namespace mesocell

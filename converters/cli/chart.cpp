@@ -86,10 +86,12 @@ int run_chart(const ChartCommand& command) {
   if (!chart) return console.fail(chart.error(), command.input);
   if (chart->steps_scene.empty() && picture.steps) {
     if (!picture.pareto)
-      return console.fail(Error{ErrorCode::kInvalidInput,
-                                "no row tells of both steps_per_ray and angle_degrees; chart something else"},
-                          command.input);
-    console.warn(command.input, "no row tells of both steps_per_ray and angle_degrees: steps are left out");
+      return console.fail(
+          Error{ErrorCode::kInvalidInput,
+                "no scene tells of steps_per_ray at two of angle_degrees; chart more cameras"},
+          command.input);
+    console.warn(command.input,
+                 "no scene tells of steps_per_ray at two of angle_degrees: steps are left out");
   }
   const Progress progress{.report = nullptr, .cancel = &cancel_flag()};
   const Result<std::vector<std::byte>> bytes = run_gnuplot(chart_script(*chart, picture), &progress);
