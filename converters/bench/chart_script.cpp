@@ -98,7 +98,9 @@ Axis value_axis(Extent extent, const std::string& title, const char* unit) {
   Axis axis;
   axis.title = title;
   if (!(extent.high > 0)) extent.low = extent.high = 1;
-  const double room = std::max(0.08 * std::log10(extent.high / extent.low), 0.12);
+  // At least such that two values are on it.
+  const double room = std::max(0.08 * std::log10(extent.high / extent.low),
+                               std::max(0.12, (0.7 - std::log10(extent.high / extent.low)) / 2));
   axis.low = std::log10(extent.low) - room;
   axis.high = std::log10(extent.high) + room;
   const bool few = axis.high - axis.low > 2.5;

@@ -1,6 +1,7 @@
 #include <xmmintrin.h>
 
 #include <cmath>
+#include <limits>
 #include <thread>
 #include <vector>
 
@@ -188,6 +189,27 @@ TEST_CASE("an object of which nothing is inside is missed by every peer") {
     std::vector<StreamHit> hits(rays.size(), StreamHit{1, {}, 1, 0});
     tracer->trace(rays, hits, false);
     for (const StreamHit& hit : hits) CHECK(!hit.hit());
+  }
+}
+
+TEST_CASE("rays that are none are missed by every peer") {
+  const CellObject object = make_blocks({4, 4, 4}, 8, [](auto...) { return true; });
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
+                   kInf = std::numeric_limits<double>::infinity();
+  const std::vector<Ray> rays = {{{-5, 9, 9}, {0, 0, 0}},    {{-5, 9, 9}, {kNan, 0.6, 0.8}},
+                                 {{kNan, 9, 9}, {0, 0, 1}},  {{-5, 9, kInf}, {1, 0, 0}},
+                                 {{-5, 9, 9}, {1, kNan, 0}}, {{9, 9, 9}, {0, 0, 0}}};
+  for (const std::string name : {"embree-instanced:1", "embree-instanced:8", "embree-instanced:16",
+                                 "embree-instanced:stream", "openvdb", "nanovdb"}) {
+    CAPTURE(name);
+    const auto tracer = make(object, name);
+    if (!tracer) continue;
+    std::vector<StreamHit> hits(rays.size(), StreamHit{1, {}, 1, 0});
+    tracer->trace(rays, hits, false);
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+      CAPTURE(k);
+      CHECK(!hits[k].hit());
+    }
   }
 }
 

@@ -55,7 +55,7 @@ constexpr std::array<Folder, 17> kFolders = {{
     {"converters/image/", "format/ sdk/ "},
     {"converters/import/", "format/ sdk/ converters/image/ "},
     {"converters/stability/", "format/ sdk/ converters/image/ "},
-    {"converters/bench/", "format/ sdk/ converters/image/ "},
+    {"converters/bench/", "format/ sdk/ converters/image/ converters/stability/ "},
     {"converters/cli/", "format/ sdk/ converters/ "},
     {"samples/", "format/ sdk/ converters/ "},
 }};

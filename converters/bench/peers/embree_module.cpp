@@ -227,22 +227,36 @@ class Tracing {
   }
 
  private:
-  [[nodiscard]] float place(std::uint64_t k, int axis) const {
-    return float(rays_.rays[6 * k + std::uint64_t(axis)] * rays_.scale - rays_.offset[axis]);
-  }
-  [[nodiscard]] float direction(std::uint64_t k, int axis) const {
-    return float(rays_.rays[6 * k + 3 + std::uint64_t(axis)]);
+  /// A ray in Embree's space.
+  struct Floats {
+    float origin[3], direction[3], near, far;
+  };
+  [[nodiscard]] Floats floats(std::uint64_t k) const {
+    const double* const r = rays_.rays + 6 * k;
+    Floats f;
+    float sum = 0;
+    for (int a = 0; a < 3; ++a) {
+      f.origin[a] = float(r[a] * rays_.scale - rays_.offset[a]);
+      f.direction[a] = float(r[3 + a]);
+      sum += std::abs(f.origin[a]) + std::abs(f.direction[a]);
+    }
+    f.near = scene_.near;
+    f.far = std::numeric_limits<float>::infinity();
+    // What is no ray, or beyond what Embree takes, is switched off by an empty interval.
+    if (!(sum < 1e18f)) f = {{0, 0, 0}, {1, 0, 0}, 1, 0};
+    return f;
   }
 
   void set(RTCRayHit& r, std::uint64_t k) const {
-    r.ray.org_x = place(k, 0);
-    r.ray.org_y = place(k, 1);
-    r.ray.org_z = place(k, 2);
-    r.ray.dir_x = direction(k, 0);
-    r.ray.dir_y = direction(k, 1);
-    r.ray.dir_z = direction(k, 2);
-    r.ray.tnear = scene_.near;
-    r.ray.tfar = std::numeric_limits<float>::infinity();
+    const Floats f = floats(k);
+    r.ray.org_x = f.origin[0];
+    r.ray.org_y = f.origin[1];
+    r.ray.org_z = f.origin[2];
+    r.ray.dir_x = f.direction[0];
+    r.ray.dir_y = f.direction[1];
+    r.ray.dir_z = f.direction[2];
+    r.ray.tnear = f.near;
+    r.ray.tfar = f.far;
     r.ray.time = 0;
     r.ray.mask = ~0u;
     r.ray.id = 0;
@@ -252,14 +266,15 @@ class Tracing {
   }
   template <typename Packet>
   void set(Packet& r, unsigned l, std::uint64_t k) const {
-    r.ray.org_x[l] = place(k, 0);
-    r.ray.org_y[l] = place(k, 1);
-    r.ray.org_z[l] = place(k, 2);
-    r.ray.dir_x[l] = direction(k, 0);
-    r.ray.dir_y[l] = direction(k, 1);
-    r.ray.dir_z[l] = direction(k, 2);
-    r.ray.tnear[l] = scene_.near;
-    r.ray.tfar[l] = std::numeric_limits<float>::infinity();
+    const Floats f = floats(k);
+    r.ray.org_x[l] = f.origin[0];
+    r.ray.org_y[l] = f.origin[1];
+    r.ray.org_z[l] = f.origin[2];
+    r.ray.dir_x[l] = f.direction[0];
+    r.ray.dir_y[l] = f.direction[1];
+    r.ray.dir_z[l] = f.direction[2];
+    r.ray.tnear[l] = f.near;
+    r.ray.tfar[l] = f.far;
     r.ray.time[l] = 0;
     r.ray.mask[l] = ~0u;
     r.ray.id[l] = 0;

@@ -11,6 +11,9 @@ namespace mesocell {
 
 bool VdbRay::set(const MesocellVdbRays& rays, std::uint64_t k, const std::int32_t (&size)[3]) {
   const double* r = rays.rays + 6 * k;
+  double sum = 0;
+  for (int n = 0; n < 6; ++n) sum += r[n];
+  if (!(sum - sum == 0)) return false;  // the library's steps would not end
   t0 = 0;
   t1 = std::numeric_limits<double>::infinity();
   for (int a = 0; a < 3; ++a) {
