@@ -292,6 +292,50 @@ void add_stability(CLI::App& app, StabilityCommand& command) {
   sub->footer(stability_help());
 }
 
+void add_chart(CLI::App& app, ChartCommand& command) {
+  CLI::App* sub =
+      app.add_subcommand("chart", "Draw the figures of a benchmark: speed and memory against error");
+  sub->add_option("input", command.input, "Figures to read, the CSV of a benchmark")
+      ->required()
+      ->type_name("IN.csv");
+  sub->add_option("output", command.output, "Picture to write: .svg or .png")
+      ->required()
+      ->type_name("PICTURE");
+  sub->add_option("--chart", command.chart,
+                  "pareto (rays a second against error), memory (against error), steps (against the angle "
+                  "between rays and surface) or all in one picture [all]")
+      ->type_name("CHART");
+  sub->add_option("--error", command.error,
+                  "wrong, the share of rays that miss what they should hit, hit what is not there or hit "
+                  "another cell (another voxel, where cells are not told); or depth, the greatest error in "
+                  "depth in voxels [wrong]")
+      ->type_name("ERROR");
+  sub->add_option("--scene", command.scene, "Rows of this scene alone [all]")->type_name("NAME");
+  sub->add_option("--camera", command.camera, "Rows of this camera alone [all]")->type_name("NAME");
+  sub->add_option("--rays", command.rays, "Rows of this kind of rays alone [primary, if there are any]")
+      ->type_name("NAME");
+  sub->add_option("--threads", command.threads, "Rows of this number of threads alone [the greatest]")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 1000000u).description(""));
+  add_no_clobber(*sub, command.no_clobber);
+  sub->add_flag("--json", command.json,
+                "Print what is drawn as JSON; a failure is printed as {\"error\": {...}}");
+  sub->add_flag("--quiet", command.quiet, "Print no warnings");
+  sub->footer(
+      "A method is a point: the median over scenes and cameras, with thin lines for their range. What makes "
+      "no "
+      "error stands at the left edge. Columns that are needed: scene, camera, rays, method, threads, "
+      "rays_per_second, peak_bytes, miss_rate, depth_error_max; used where they are there: hit_rate, "
+      "false_hit_rate, wrong_cell_rate, wrong_voxel_rate, steps_per_ray, angle_degrees. It is drawn by "
+      "gnuplot, "
+      "which must be installed (package gnuplot-nox).\n\n"
+      "Keys of --json: output, subject, methods [method, rows, rays_per_second, peak_bytes, error {median, "
+      "min, "
+      "max}, steps [angle_degrees, steps_per_ray]]\n\n"
+      "Example:\n  mesocell chart quick.csv chart.svg\n"
+      "  mesocell chart quick.csv close.png --chart pareto --camera close --threads 1\n");
+}
+
 /// The words of the command line, last first, as the parser takes them. A vector whose first number is
 /// negative and begins with a point ("-.5,0,1") looks like an option to the parser, so it is joined to its
 /// option.
@@ -349,12 +393,14 @@ int run_command_line(int argc, char** argv) {
   RenderCommand render;
   CompareCommand compare;
   StabilityCommand stability;
+  ChartCommand chart;
   add_convert(app, convert);
   add_info(app, info);
   add_validate(app, validate);
   add_render(app, render);
   add_compare(app, compare);
   add_stability(app, stability);
+  add_chart(app, chart);
   try {
     app.parse(parser_words(argc, argv));
   } catch (const CLI::Success& wish) {
@@ -373,6 +419,7 @@ int run_command_line(int argc, char** argv) {
   if (app.got_subcommand("validate")) return run_validate(validate);
   if (app.got_subcommand("compare")) return run_compare(compare);
   if (app.got_subcommand("stability")) return run_stability(stability);
+  if (app.got_subcommand("chart")) return run_chart(chart);
   return run_render(render);
 }
 

@@ -95,4 +95,14 @@ struct StabilityCommand {
 };
 [[nodiscard]] int run_stability(const StabilityCommand& command);
 
+struct ChartCommand {
+  bool json = false, quiet = false;
+  std::string input, output;
+  std::string chart = "all", error = "wrong";
+  std::string scene, camera, rays;  ///< as of ChartRows
+  std::optional<unsigned> threads;  ///< which rows, not how many to use
+  bool no_clobber = false;
+};
+[[nodiscard]] int run_chart(const ChartCommand& command);
+
 }  // namespace mesocell

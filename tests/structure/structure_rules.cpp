@@ -40,7 +40,7 @@ struct Folder {
   std::string_view may_include;  ///< folders, each followed by a blank
 };
 
-constexpr std::array<Folder, 16> kFolders = {{
+constexpr std::array<Folder, 17> kFolders = {{
     {"format/loader/", ""},
     {"format/", ""},
     {"sdk/core/", "format/ "},
@@ -55,6 +55,7 @@ constexpr std::array<Folder, 16> kFolders = {{
     {"converters/image/", "format/ sdk/ "},
     {"converters/import/", "format/ sdk/ converters/image/ "},
     {"converters/stability/", "format/ sdk/ converters/image/ "},
+    {"converters/bench/", "format/ sdk/ converters/image/ converters/stability/ "},
     {"converters/cli/", "format/ sdk/ converters/ "},
     {"samples/", "format/ sdk/ converters/ "},
 }};
@@ -65,11 +66,13 @@ struct ThirdParty {
   std::string_view where;
 };
 
-constexpr std::array<ThirdParty, 10> kThirdParties = {{
+constexpr std::array<ThirdParty, 12> kThirdParties = {{
     {"CGAL/", "sdk/membership/ sdk/wrap/ "},
     {"OpenMesh/", "converters/import/openmesh_reader.cpp "},
     {"OpenImageIO/", "converters/image/image_module.cpp "},
-    {"openvdb/", "converters/stability/methods/openvdb_module.cpp "},
+    {"openvdb/", "converters/stability/methods/openvdb_module.cpp converters/bench/peers/ "},
+    {"nanovdb/", "converters/bench/peers/nanovdb_mask.cpp "},
+    {"embree3/", "converters/bench/peers/embree_module.cpp "},
     {"tbb/", "converters/stability/methods/openvdb_module.cpp "},
     {"CLI/", "converters/cli/command_line.cpp "},
     {"nlohmann/", "converters/cli/ "},
