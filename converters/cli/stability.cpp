@@ -7,6 +7,7 @@
 
 #include "converters/cli/commands.h"
 #include "converters/cli/progress_bar.h"
+#include "converters/cli/values.h"
 #include "converters/import/mesh_file.h"
 #include "converters/stability/damage.h"
 #include "converters/stability/report.h"
@@ -20,16 +21,6 @@ using Json = nlohmann::ordered_json;
 
 /// Voxels along the longest side of a case of the catalogue: all of it takes about two minutes.
 constexpr std::uint32_t kResolution = 32;
-
-std::vector<std::string> words_of(const std::string& list) {
-  std::vector<std::string> words;
-  for (std::size_t begin = 0; begin <= list.size();) {
-    const std::size_t comma = std::min(list.find(',', begin), list.size());
-    if (comma > begin) words.push_back(list.substr(begin, comma - begin));
-    begin = comma + 1;
-  }
-  return words;
-}
 
 std::optional<Failure> find_methods(const std::string& list, std::vector<const Voxelizer*>& methods) {
   for (const std::string& word : words_of(list)) {

@@ -40,7 +40,7 @@ struct Folder {
   std::string_view may_include;  ///< folders, each followed by a blank
 };
 
-constexpr std::array<Folder, 16> kFolders = {{
+constexpr std::array<Folder, 17> kFolders = {{
     {"format/loader/", ""},
     {"format/", ""},
     {"sdk/core/", "format/ "},
@@ -55,6 +55,7 @@ constexpr std::array<Folder, 16> kFolders = {{
     {"converters/image/", "format/ sdk/ "},
     {"converters/import/", "format/ sdk/ converters/image/ "},
     {"converters/stability/", "format/ sdk/ converters/image/ "},
+    {"converters/bench/", "format/ sdk/ converters/stability/ "},
     {"converters/cli/", "format/ sdk/ converters/ "},
     {"samples/", "format/ sdk/ converters/ "},
 }};
