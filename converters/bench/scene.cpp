@@ -11,7 +11,7 @@ namespace mesocell {
 namespace {
 
 constexpr std::array<BenchTile, 4> kTiles = {{
-    {"voronoi", "voronoi:cells=8,seed=1"},
+    {"voronoi", "voronoi:cells=8,seed=16"},
     {"bricks", "bricks:cells=8,seed=1"},
     {"worley", "worley:cells=8,seed=1"},
     {"ellipsoids", "ellipsoids:cells=8,seed=1"},
