@@ -25,18 +25,11 @@ struct Prepared {
   std::vector<NamedTracer> tracers;
 };
 
-/// Some of a stream's rays, evenly spread.
-std::vector<std::size_t> sample_of(std::size_t rays, std::size_t count) {
-  std::vector<std::size_t> sample(std::min(rays, count));
-  for (std::size_t k = 0; k < sample.size(); ++k) sample[k] = (2 * k + 1) * rays / (2 * sample.size());
-  return sample;
-}
-
 /// Mean angle between rays and the surfaces that they hit, of a sample; degrees.
 double mean_angle(const Caster& exact, std::span<const Ray> rays) {
   double sum = 0;
   std::size_t count = 0;
-  for (const std::size_t k : sample_of(rays.size(), 8192)) {
+  for (const std::size_t k : spread_sample(rays.size(), 8192)) {
     Hit hit;
     if (!exact.first_hit(rays[k], hit) || hit.face_normal == Vec3{}) continue;
     const double sine = std::abs(dot(exact.shading_normal(hit), rays[k].direction));
@@ -157,7 +150,7 @@ class Bench {
 
   /// Compares a sample of the truth with the oracle.
   TracingError check_exact(const CellObject& object, const RayStream& stream) {
-    const std::vector<std::size_t> sample = sample_of(stream.rays.size(), options_.oracle_rays);
+    const std::vector<std::size_t> sample = spread_sample(stream.rays.size(), options_.oracle_rays);
     std::vector<StreamHit> oracle(sample.size()), found(sample.size());
     const bool done = parallel_for(
         sample.size(), threads_,

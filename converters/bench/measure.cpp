@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sdk/core/parallel.h"
+#include "sdk/core/rng.h"
 
 namespace mesocell {
 namespace {
@@ -21,11 +22,10 @@ struct Chunk {
 /// `count` chunks of a stream, evenly spread; all of them if there are no more.
 std::vector<Chunk> spread_chunks(std::size_t rays, std::size_t count) {
   const std::size_t all = (rays + kBenchChunk - 1) / kBenchChunk;
-  count = std::min(count, all);
   std::vector<Chunk> chunks;
   std::size_t to = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t first = (2 * k + 1) * all / (2 * count) * kBenchChunk;
+  for (const std::size_t k : spread_sample(all, count)) {
+    const std::size_t first = k * kBenchChunk;
     const std::size_t size = std::min(kBenchChunk, rays - first);
     chunks.push_back({first, size, to});
     to += size;
@@ -127,6 +127,17 @@ TracerFigures figures_of(const Runner& runner, unsigned threads) {
 }
 
 }  // namespace
+
+std::vector<std::size_t> spread_sample(std::size_t all, std::size_t count) {
+  count = std::min(count, all);
+  std::vector<std::size_t> sample;
+  Rng rng(1);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t low = k * all / count, high = (k + 1) * all / count;
+    sample.push_back(low + std::size_t(double(high - low) * rng.uniform()));
+  }
+  return sample;
+}
 
 Result<std::vector<TracerFigures>> time_tracers(std::span<const NamedTracer> tracers, const RayStream& stream,
                                                 const TimingOptions& options, const Progress& progress) {

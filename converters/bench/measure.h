@@ -42,6 +42,10 @@ struct TracerFigures {
   TracingError error;            ///< against the truth, of the pass that was off by the most
 };
 
+/// `count` different numbers below `all`, ascending: one of each of as many equal parts, at random, so that
+/// no period of what is sampled shows; all of them if there are no more. The same every time.
+[[nodiscard]] std::vector<std::size_t> spread_sample(std::size_t all, std::size_t count);
+
 /// Rays that are traced by one call, 64 squares of 8 × 8 pixels.
 inline constexpr std::size_t kBenchChunk = 4096;
 

@@ -55,7 +55,7 @@ TriangleMesh make_fitted_knot() {
   return mesh;
 }
 
-/// A plate with low hills, 0.2 grid edges thick: what rays graze.
+/// A plate with low hills towards -z, 0.2 grid edges thick: what rays graze.
 TriangleMesh make_slab() {
   constexpr std::uint32_t kQuads = 128, kRow = kQuads + 1;
   TriangleMesh mesh;
@@ -64,7 +64,8 @@ TriangleMesh make_slab() {
       for (std::uint32_t i = 0; i < kRow; ++i) {
         const double x = 0.96 * (double(i) / kQuads - 0.5), z = 0.96 * (double(j) / kQuads - 0.5);
         const double hill = 0.03 * x * (4 * x * x - 1) - 0.05 * z * (4 * z * z - 1) * (1 - x);
-        mesh.vertices.push_back({x, top ? 0.1 + hill : -0.1, z});
+        // Laid out as the ground, then turned about x to stand upright.
+        mesh.vertices.push_back({x, z, top ? -0.1 - hill : 0.1});
       }
   const auto at = [](std::uint32_t i, std::uint32_t j, bool top) {
     return (top ? kRow * kRow : 0) + j * kRow + i;

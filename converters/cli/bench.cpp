@@ -127,7 +127,9 @@ Json result_json(const BenchHead& head, const BenchResult& result) {
     Json entry = Json::object();
     for (const BenchColumn& c : bench_columns()) {
       const std::string text = c.text(row);
-      entry[std::string(c.name)] = c.is_text ? Json(text) : text.empty() ? Json(nullptr) : Json::parse(text);
+      // What is empty or infinite is no number of JSON.
+      const Json value = c.is_text ? Json(text) : Json::parse(text, nullptr, false);
+      entry[std::string(c.name)] = value.is_discarded() ? Json(nullptr) : value;
     }
     json["rows"].push_back(std::move(entry));
   }

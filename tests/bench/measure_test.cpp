@@ -195,6 +195,21 @@ TEST_CASE("figures are what the tracer and the stream say") {
   CHECK(f.hit_rate == Approx(double(f.error.hits) / 9000));
 }
 
+TEST_CASE("samples are spread evenly, but in no step with what they are of") {
+  const std::vector<std::size_t> sample = spread_sample(200, 10);
+  REQUIRE(sample.size() == 10);
+  std::size_t odd = 0;
+  for (std::size_t k = 0; k < 10; ++k) {
+    CHECK(sample[k] >= 20 * k);
+    CHECK(sample[k] < 20 * (k + 1));
+    odd += sample[k] % 2;
+  }
+  CHECK(odd > 1);
+  CHECK(odd < 9);
+  CHECK(spread_sample(3, 9) == std::vector<std::size_t>{0, 1, 2});
+  CHECK(spread_sample(0, 9).empty());
+}
+
 TEST_CASE("a method that is too slow traces a part of the rays") {
   RayStream stream;
   stream.rays = random_rays(32, 20 * kBenchChunk + 5);

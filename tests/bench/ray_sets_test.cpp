@@ -120,7 +120,7 @@ TEST_CASE("cameras see what their names say") {
 TEST_CASE("grazing cameras meet a plate at their angle") {
   const auto exact = caster_of("slab-voronoi-32x16");
   for (const double degrees : {5.0, 20.0, 45.0}) {
-    // The plate's top is nearly level; its front, which the full view sees, stands upright.
+    // The plate stands upright, but for its hills.
     const BenchView view{"grazing", degrees};
     const Result<Camera> camera = make_view(view, *exact, 1.0 / 32, kWidth, kHeight);
     REQUIRE(camera.ok());
