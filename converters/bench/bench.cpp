@@ -25,14 +25,16 @@ struct Prepared {
   std::vector<NamedTracer> tracers;
 };
 
-/// Mean angle between rays and the surfaces that they hit, of a sample; degrees.
-double mean_angle(const Caster& exact, std::span<const Ray> rays) {
+/// Mean angle between rays and the surfaces that they hit, of a sample; degrees. A view that grazes a plane
+/// says so itself: cells are rough, and of their own faces those are seen that are turned to the eye.
+double mean_angle(const Caster& exact, std::span<const Ray> rays, const std::optional<Vec3>& plane) {
   double sum = 0;
   std::size_t count = 0;
   for (const std::size_t k : spread_sample(rays.size(), 8192)) {
     Hit hit;
     if (!exact.first_hit(rays[k], hit) || hit.face_normal == Vec3{}) continue;
-    const double sine = std::abs(dot(exact.shading_normal(hit), rays[k].direction));
+    const Vec3 normal = plane ? *plane : exact.shading_normal(hit);
+    const double sine = std::abs(dot(normal, rays[k].direction));
     sum += std::asin(std::min(1.0, sine)) * 180 / std::numbers::pi;
     ++count;
   }
@@ -52,17 +54,17 @@ class Bench {
       if (Status status = prepare(c.scene); !status) return status;
     Prepared& scene = scene_->prepared;
     const double tile_edge = scene.object.grid.voxel_edge * scene.object.tile.resolution[0];
-    const Result<Camera> camera =
+    const Result<PlacedView> placed =
         make_view(c.view, *scene.exact, tile_edge, options_.size[0], options_.size[1]);
-    if (!camera) {
-      if (camera.error().code != ErrorCode::kInvalidInput) return camera.error();
-      note(scene_->label + ", camera " + c.view.name + ": " + camera.error().message);
+    if (!placed) {
+      if (placed.error().code != ErrorCode::kInvalidInput) return placed.error();
+      note(scene_->label + ", camera " + c.view.name + ": " + placed.error().message);
       return {};
     }
     RayStream stream;
     stream.coherent = is_coherent(c.rays);
-    stream.rays = make_rays(c.rays, *scene.exact, *camera, options_.size[0], options_.size[1], options_.seed,
-                            threads_, quiet_);
+    stream.rays = make_rays(c.rays, *scene.exact, placed->camera, options_.size[0], options_.size[1],
+                            options_.seed, threads_, quiet_);
     if (quiet_.cancelled()) return kStopped;
     if (stream.rays.empty()) {
       note(scene_->label + ", camera " + c.view.name + ": no " + std::string(ray_set_name(c.rays)) + " rays");
@@ -74,7 +76,8 @@ class Bench {
     timing.detail = scene.object.grid.voxel_edge;
     Result<std::vector<TracerFigures>> figures = time_tracers(scene.tracers, stream, timing, quiet_);
     if (!figures) return figures.error();
-    const double angle = mean_angle(*scene.exact, stream.rays);
+    const bool grazes = placed->plane && c.rays == RaySet::kPrimary;
+    const double angle = mean_angle(*scene.exact, stream.rays, grazes ? placed->plane : std::nullopt);
     for (TracerFigures& f : *figures) {
       if (f.method == "exact") {
         const TracingError& e = f.error;

@@ -37,7 +37,8 @@ struct BenchRow {
   std::string scene, shape, tile;
   std::uint32_t tiles = 0, resolution = 0;  ///< along the longest side; of the tile
   std::string camera, rays;
-  double angle_degrees = 0;  ///< mean angle between a ray and the surface that it hits
+  double angle_degrees =
+      0;  ///< mean angle between a ray and the surface that it hits; of a grazing view the plane it grazes
   std::uint32_t repeats = 0;
   TracerFigures figures;  ///< the errors of "exact" are against the oracle, on a sample
 };

@@ -213,17 +213,22 @@ Result<BenchView> parse_view(std::string_view name) {
                                       "and grazing-A with an angle A from 0.1 to 90 degrees"};
 }
 
-Result<Camera> make_view(const BenchView& view, const Caster& exact, double tile_edge, std::uint32_t width,
-                         std::uint32_t height) {
+Result<PlacedView> make_view(const BenchView& view, const Caster& exact, double tile_edge,
+                             std::uint32_t width, std::uint32_t height) {
   const Box3 box = exact.object_box();
+  const auto place = [&](const CameraOptions& options, std::optional<Vec3> plane = {}) -> Result<PlacedView> {
+    const Result<Camera> camera = Camera::make(box, options, width, height);
+    if (!camera) return camera.error();
+    return PlacedView{*camera, plane};
+  };
   const CameraOptions full = full_view(box);
-  if (view.name == "full") return Camera::make(box, full, width, height);
+  if (view.name == "full") return place(full);
   if (view.name == "inside") {
     const CameraOptions options = inside_view(exact);
     if (!options.eye)
       return Error{ErrorCode::kInvalidInput,
                    "no place in its box is empty and sees it; leave out camera inside"};
-    return Camera::make(box, options, width, height);
+    return place(options);
   }
   const Result<Camera> camera = Camera::make(box, full, kMaskWidth, kMaskHeight);
   if (!camera) return camera.error();
@@ -236,21 +241,21 @@ Result<Camera> make_view(const BenchView& view, const Caster& exact, double tile
   if (view.name == "cover90") {
     options.look = camera->eye() + camera->ray(window.x, window.y).direction;
     options.fov_degrees = narrowed(kFullFov, window.share);
-    return Camera::make(box, options, width, height);
+    return place(options);
   }
   const Ray& ray = mask.rays[*middle];
   const Vec3 at = ray.origin + ray.direction * mask.hits[*middle].t;
   if (view.name == "close") {
     options.eye = at - ray.direction * std::min(kCloseTiles * tile_edge, mask.hits[*middle].t / 2);
     options.look = at;
-    return Camera::make(box, options, width, height);
+    return place(options);
   }
   const Vec3 normal = plane_normal(mask, *middle, *camera, kGrazeTiles * tile_edge);
   options = grazing_view(exact, at, normal, view.graze_degrees, tile_edge);
   if (!options.eye)
     return Error{ErrorCode::kInvalidInput,
                  "nothing of it is seen at so low an angle; leave out camera " + view.name};
-  return Camera::make(box, options, width, height);
+  return place(options, normal);
 }
 
 }  // namespace mesocell

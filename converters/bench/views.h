@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,12 +24,17 @@ struct BenchView {
   double graze_degrees = 0;  ///< of a grazing view
 };
 
+struct PlacedView {
+  Camera camera;
+  std::optional<Vec3> plane;  ///< the unit normal of the plane that a grazing view grazes
+};
+
 /// Errors: kUsage with the names there are.
 [[nodiscard]] Result<BenchView> parse_view(std::string_view name);
 
 /// Lays the view on an object by its exact caster. `tile_edge`: metres. Errors: kInvalidInput if there is no
 /// such place, as nothing is seen of the object, or no empty one is in its box.
-[[nodiscard]] Result<Camera> make_view(const BenchView& view, const Caster& exact, double tile_edge,
-                                       std::uint32_t width, std::uint32_t height);
+[[nodiscard]] Result<PlacedView> make_view(const BenchView& view, const Caster& exact, double tile_edge,
+                                           std::uint32_t width, std::uint32_t height);
 
 }  // namespace mesocell

@@ -25,10 +25,10 @@ std::unique_ptr<Caster> caster_of(const char* scene) {
 Camera camera_of(const Caster& exact, const char* name, double tile_edge = 1.0 / 16) {
   const Result<BenchView> view = parse_view(name);
   REQUIRE(view.ok());
-  const Result<Camera> camera = make_view(*view, exact, tile_edge, kWidth, kHeight);
-  INFO(name << ": " << (camera ? "" : camera.error().message));
-  REQUIRE(camera.ok());
-  return *camera;
+  const Result<PlacedView> placed = make_view(*view, exact, tile_edge, kWidth, kHeight);
+  INFO(name << ": " << (placed ? "" : placed.error().message));
+  REQUIRE(placed.ok());
+  return placed->camera;
 }
 
 std::vector<Ray> rays_of(RaySet set, const Caster& exact, const Camera& camera, std::uint64_t seed = 1,
@@ -122,9 +122,12 @@ TEST_CASE("grazing cameras meet a plate at their angle") {
   for (const double degrees : {5.0, 20.0, 45.0}) {
     // The plate stands upright, but for its hills.
     const BenchView view{"grazing", degrees};
-    const Result<Camera> camera = make_view(view, *exact, 1.0 / 32, kWidth, kHeight);
-    REQUIRE(camera.ok());
-    const double sine = std::abs(camera->forward().z);
+    const Result<PlacedView> placed = make_view(view, *exact, 1.0 / 32, kWidth, kHeight);
+    REQUIRE(placed.ok());
+    REQUIRE(placed->plane.has_value());
+    CHECK(std::abs(std::asin(-dot(*placed->plane, placed->camera.forward())) * 180 / 3.14159265358979 -
+                   degrees) < 1e-9);
+    const double sine = std::abs(placed->camera.forward().z);
     CHECK(std::abs(std::asin(sine) * 180 / 3.14159265358979 - degrees) < 12);
   }
 }
