@@ -158,8 +158,8 @@ std::optional<Failure> make_options(const BenchCommand& command, const BenchSet&
 
 std::string bench_help() {
   std::string text =
-      "Sets: quick, below a minute; default, below ten: every shape, every tile, several sizes, on the "
-      "machine this was made on; full: everything, hours. The other options replace what the set says.\n\n"
+      "Sets: quick, below a minute; default, below ten: every shape, every tile, several sizes; full: "
+      "everything, hours. The other options replace what the set says.\n\n"
       "Scenes: SHAPE-TILE-TILESxRESOLUTION, both numbers from 4 to 256, such as wavy-voronoi-64x32; "
       "shapes:\n";
   for (const BenchShape& shape : bench_shapes())
@@ -219,6 +219,7 @@ int run_bench_command(const BenchCommand& command) {
   bar.finish();
   if (!result) return console.fail(result.error(), "");
   BenchHead head = make_head(command, options, machine);
+  head.emplace_back("exact differs", "for " + std::to_string(result->exact_differs) + " rays");
   for (const std::string& note : result->notes) head.emplace_back("note", note);
   if (!command.csv.empty()) {
     const std::string csv = bench_csv(head, result->rows);
