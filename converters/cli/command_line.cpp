@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "converters/cli/bench.h"
 #include "converters/cli/cell_object_asset.h"
 #include "converters/cli/color_source.h"
 #include "converters/cli/commands.h"
@@ -19,10 +20,14 @@
 namespace mesocell {
 namespace {
 
-void add_common(CLI::App& app, CommonOptions& options) {
+void add_reporting(CLI::App& app, CommonOptions& options) {
   app.add_flag("--json", options.json,
                "Print the result as JSON; a failure is printed as {\"error\": {...}}");
   app.add_flag("--quiet", options.quiet, "Print no progress, no warnings and no summary");
+}
+
+void add_common(CLI::App& app, CommonOptions& options) {
+  add_reporting(app, options);
   app.add_option("--threads", options.threads, "Threads to use, 0 for all; the result does not depend on it")
       ->type_name("N")
       ->check(CLI::Range(0u, 1024u).description(""));
@@ -336,6 +341,41 @@ void add_chart(CLI::App& app, ChartCommand& command) {
       "  mesocell chart quick.csv close.png --chart pareto --camera close --threads 1\n");
 }
 
+void add_bench(CLI::App& app, BenchCommand& command) {
+  CLI::App* sub = app.add_subcommand("bench", "Measure speed, memory and errors of methods of tracing");
+  sub->add_option("--set", command.set, "What to measure: quick, default or full [default]")->type_name("SET");
+  const auto words = [&](const char* name, std::optional<std::string>& value, const char* help) {
+    sub->add_option(name, value, help)->type_name("NAME,...");
+  };
+  words("--scenes", command.scenes, "Scenes to measure, such as wavy-voronoi-64x32");
+  words("--cameras", command.cameras, "Where they are seen from: full, cover90, close, grazing, inside");
+  words("--rays", command.rays, "Kinds of rays: primary, diffuse, reflection, shadow");
+  words("--methods", command.methods, "Methods, such as exact,linear:1/512,embree-instanced");
+  sub->add_option("--input", command.input, "A .meso file to measure on, instead of scenes")->type_name("FILE");
+  sub->add_option("--threads", command.threads, "Numbers of threads, each is measured, 0 for all [0]")
+      ->type_name("N,...");
+  sub->add_option("--size", command.size, "Size in pixels, each from 1 to 16384 [1024x768]")->type_name("WxH");
+  sub->add_option("--repeat", command.repeat, "Passes that are timed, the median is told, 1 to 99 [3]")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 99u).description(""));
+  sub->add_option("--seed", command.seed, "Seed of rays that are drawn at random [1]")
+      ->type_name("N")
+      ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+  sub->add_option("--oracle", command.oracle,
+                  "Rays of each case whose exact hit is checked by brute force, 1 to 1000000 [1024]")
+      ->type_name("N")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}).description(""));
+  sub->add_option("--max-seconds", command.max_seconds,
+                  "Begin nothing more after this time, and tell what was left out [40 for quick, 540 for "
+                  "default]")
+      ->type_name("S")
+      ->check(CLI::Range(0.01, 1e6).description(""));
+  sub->add_option("--csv", command.csv, "Write all figures here")->type_name("FILE.csv");
+  add_no_clobber(*sub, command.no_clobber);
+  add_reporting(*sub, command.common);
+  sub->footer(bench_help());
+}
+
 /// The words of the command line, last first, as the parser takes them. A vector whose first number is
 /// negative and begins with a point ("-.5,0,1") looks like an option to the parser, so it is joined to its
 /// option.
@@ -394,6 +434,7 @@ int run_command_line(int argc, char** argv) {
   CompareCommand compare;
   StabilityCommand stability;
   ChartCommand chart;
+  BenchCommand bench;
   add_convert(app, convert);
   add_info(app, info);
   add_validate(app, validate);
@@ -401,6 +442,7 @@ int run_command_line(int argc, char** argv) {
   add_compare(app, compare);
   add_stability(app, stability);
   add_chart(app, chart);
+  add_bench(app, bench);
   try {
     app.parse(parser_words(argc, argv));
   } catch (const CLI::Success& wish) {
@@ -420,6 +462,7 @@ int run_command_line(int argc, char** argv) {
   if (app.got_subcommand("compare")) return run_compare(compare);
   if (app.got_subcommand("stability")) return run_stability(stability);
   if (app.got_subcommand("chart")) return run_chart(chart);
+  if (app.got_subcommand("bench")) return run_bench_command(bench);
   return run_render(render);
 }
 

@@ -105,4 +105,16 @@ struct ChartCommand {
 };
 [[nodiscard]] int run_chart(const ChartCommand& command);
 
+struct BenchCommand {
+  CommonOptions common;  ///< but for its threads
+  std::optional<std::string> set, scenes, cameras, rays, methods, threads, input;
+  std::string size = "1024x768", csv;
+  std::uint32_t repeat = 3;
+  std::uint64_t seed = 1;
+  std::uint64_t oracle = 1024;  ///< rays of each case that brute force checks
+  std::optional<double> max_seconds;
+  bool no_clobber = false;
+};
+[[nodiscard]] int run_bench_command(const BenchCommand& command);
+
 }  // namespace mesocell

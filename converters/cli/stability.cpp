@@ -8,6 +8,7 @@
 #include "converters/cli/commands.h"
 #include "converters/cli/progress_bar.h"
 #include "converters/cli/stability_output.h"
+#include "converters/cli/values.h"
 #include "converters/import/mesh_file.h"
 #include "converters/stability/damage.h"
 #include "converters/stability/report.h"

@@ -4,6 +4,7 @@
 #include "converters/cli/exit_codes.h"
 #include "converters/cli/progress_bar.h"
 #include "converters/cli/stability_output.h"
+#include "converters/cli/values.h"
 #include "converters/stability/cast_report.h"
 #include "sdk/trace/cell_object_caster.h"
 

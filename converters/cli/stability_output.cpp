@@ -7,16 +7,6 @@
 
 namespace mesocell {
 
-std::vector<std::string> words_of(const std::string& list) {
-  std::vector<std::string> words;
-  for (std::size_t begin = 0; begin <= list.size();) {
-    const std::size_t comma = std::min(list.find(',', begin), list.size());
-    if (comma > begin) words.push_back(list.substr(begin, comma - begin));
-    begin = comma + 1;
-  }
-  return words;
-}
-
 std::optional<Failure> check_stability_outputs(const StabilityCommand& command) {
   if (!command.picture.empty() && !has_extension(command.picture, ".svg"))
     return usage("--picture", "'" + command.picture + "' is no .svg file; give its name that extension");

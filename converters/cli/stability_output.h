@@ -10,9 +10,6 @@
 /// What the kinds of `mesocell stability` have in common.
 namespace mesocell {
 
-/// The words of a list with commas.
-[[nodiscard]] std::vector<std::string> words_of(const std::string& list);
-
 /// Whether the files that are asked for could be written.
 [[nodiscard]] std::optional<Failure> check_stability_outputs(const StabilityCommand& command);
 

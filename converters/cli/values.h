@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -7,12 +8,24 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "format/result.h"
 #include "sdk/core/vec.h"
 
 /// Values of options that are more than one number.
 namespace mesocell {
+
+/// The words between commas; empty ones do not count.
+[[nodiscard]] inline std::vector<std::string> words_of(const std::string& list) {
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t comma = std::min(list.find(',', begin), list.size());
+    if (comma > begin) words.push_back(list.substr(begin, comma - begin));
+    begin = comma + 1;
+  }
+  return words;
+}
 
 /// Parses N finite numbers with commas between them and nothing else. Errors: kUsage.
 template <std::size_t N>

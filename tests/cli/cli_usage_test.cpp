@@ -14,7 +14,7 @@ TEST_CASE("every subcommand has a help text with an example") {
   CHECK(all.exit == 0);
   CHECK(all.err.empty());
   CHECK(all.out.find("130") != std::string::npos);
-  for (const std::string name : {"convert", "info", "validate", "render", "compare", "stability"}) {
+  for (const std::string name : {"convert", "info", "validate", "render", "compare", "stability", "bench"}) {
     CHECK(all.out.find("  " + name) != std::string::npos);
     const Run run = run_command({name, "--help"});
     INFO(name);
