@@ -126,6 +126,11 @@ double through_empty_parts(const BeamGrid& grid, const Beam& beam, double plane)
 
 }  // namespace
 
+double empty_until(const BeamGrid& grid, const Beam& beam) {
+  const double plane = through_empty_tiles(grid, beam, std::max(beam.low[beam.axis], 0.0));
+  return std::max(plane - beam.high[beam.axis], 0.0);
+}
+
 bool add_to_beam(Beam& beam, const Beam& other) {
   if (beam.axis != other.axis || beam.octant != other.octant) return false;
   for (std::size_t a = 0; a < 3; ++a) {

@@ -34,6 +34,10 @@ struct BeamStart {
   bool misses = false;  ///< no ray hits anything
 };
 
+/// How far on the beam's axis, in voxels from its origins, no ray meets a tile that is not empty; infinite if
+/// none does at all.
+[[nodiscard]] double empty_until(const BeamGrid& grid, const Beam& beam);
+
 /// Widens a beam by another of the same axis; false if they go another way.
 [[nodiscard]] bool add_to_beam(Beam& beam, const Beam& other);
 

@@ -8,6 +8,7 @@ StreamHit to_stream_hit(const Hit& hit) {
   StreamHit out;
   out.t = hit.t;
   out.label = hit.label;
+  out.level = hit.level;
   for (std::size_t a = 0; a < 3; ++a) {
     out.element[a] = std::int32_t(hit.element[a]);
     if (hit.face_normal[a] == 0) continue;

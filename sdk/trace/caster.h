@@ -17,6 +17,7 @@ struct Hit {
   std::uint32_t label = 0;      ///< what was hit: of a cell object the cell, from 1
   std::int64_t instance = 0;    ///< which copy of it: of a cell object the index of the home tile
   std::uint32_t placement = 0;  ///< which asset of a scene
+  std::uint8_t level = 0;       ///< of detail: elements of a cell object are of 2^level voxels a side
   std::array<std::int64_t, 3>
       element{};        ///< the smallest part that was hit: of a cell object the grid's voxel
   Vec3 face_normal;     ///< unit normal of the face entered; zero if the ray began inside
@@ -34,6 +35,7 @@ struct StreamHit {
   /// kBegan if the ray began inside, kOther where a normal along no axis is meant.
   std::int8_t face = kBegan;
   static constexpr std::int8_t kBegan = -1, kOther = -2;
+  std::uint8_t level = 0;  ///< as Hit's
 
   [[nodiscard]] bool hit() const { return t < kMiss; }
 };

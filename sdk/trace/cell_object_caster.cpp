@@ -7,6 +7,7 @@
 #include "sdk/trace/distance.h"
 #include "sdk/trace/exact.h"
 #include "sdk/trace/linear.h"
+#include "sdk/trace/lod.h"
 
 namespace mesocell {
 namespace {
@@ -41,7 +42,7 @@ constexpr Method kMethods[] = {
     {"exact",
      [](const CellObject& object, std::string_view parameter) -> Made {
        if (!parameter.empty()) return Error{ErrorCode::kUsage, "method exact takes no parameter"};
-       return make_exact_caster(object);
+       return Made(make_exact_caster(object));
      }},
     {"linear",
      [](const CellObject& object, std::string_view parameter) -> Made {
@@ -59,6 +60,16 @@ constexpr Method kMethods[] = {
      [](const CellObject& object, std::string_view parameter) -> Made {
        if (!parameter.empty()) return Error{ErrorCode::kUsage, "method distance takes no parameter"};
        return make_distance_caster(object);
+     }},
+    {"lod",
+     [](const CellObject& object, std::string_view parameter) -> Made {
+       const auto pixels =
+           parameter.ends_with("px") ? to_double(parameter.substr(0, parameter.size() - 2)) : std::nullopt;
+       if (!pixels || !(*pixels >= 1e-3 && *pixels <= 1e3))
+         return Error{
+             ErrorCode::kUsage,
+             "method lod needs the size of a voxel in the picture, from 0.001 to 1000 pixels, as in lod:1px"};
+       return make_lod_caster(object, *pixels);
      }},
 };
 

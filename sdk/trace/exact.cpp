@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cmath>
+#include <limits>
 
 #include "sdk/trace/cell_scene.h"
 #include "sdk/trace/packets.h"
@@ -11,9 +13,9 @@
 namespace mesocell {
 namespace {
 
-class ExactCaster final : public Caster {
+class CellObjectCaster final : public ExactCaster {
  public:
-  explicit ExactCaster(const CellObject& object)
+  explicit CellObjectCaster(const CellObject& object)
       : scene_(object), packets_(packets_supported() && scene_.packets(packet_scene_)) {}
 
   bool first_hit(const Ray& ray, Hit& hit) const override {
@@ -60,6 +62,34 @@ class ExactCaster final : public Caster {
     return true;
   }
 
+  double empty_way(std::span<const Ray> rays) const override {
+    if (!packets_ || rays.empty()) return 0;
+    const Ray first = scene_.to_voxels(rays[0]);
+    std::size_t k = 0;
+    for (std::size_t a = 1; a < 3; ++a)
+      if (std::abs(first.direction[a]) > std::abs(first.direction[k])) k = a;
+    Beam beam;
+    beam.axis = unsigned(k);
+    for (std::size_t a = 0; a < 3; ++a) {
+      double least = std::numeric_limits<double>::infinity(), most = -least;
+      for (const Ray& ray : rays) {
+        if (ray.origin != rays[0].origin) return 0;
+        const double slope = ray.direction[a] / std::abs(ray.direction[k]);
+        least = std::min(least, slope);
+        most = std::max(most, slope);
+      }
+      // Also where something is no number.
+      if (!(least >= 0 || most <= 0) || !(least > -16 && most < 16) || !(std::abs(first.origin[a]) < 0x1p40))
+        return 0;
+      const bool rises = most > 0;
+      beam.octant |= unsigned{rises} << a;
+      beam.low[a] = beam.high[a] = rises ? first.origin[a] : packet_scene_.size[a] - first.origin[a];
+      beam.slope_low[a] = std::min(std::abs(least), std::abs(most));
+      beam.slope_high[a] = std::max(std::abs(least), std::abs(most));
+    }
+    return empty_until(packet_scene_, beam) * scene_.voxel_edge();
+  }
+
   bool inside(Vec3 point) const override { return scene_.inside_point(point); }
   Vec3 shading_normal(const Hit& hit) const override { return scene_.shading_normal(hit); }
   Vec3 color(const Hit& hit, Vec3 point) const override { return scene_.color(hit, point); }
@@ -101,8 +131,8 @@ class ExactCaster final : public Caster {
 
 }  // namespace
 
-std::unique_ptr<Caster> make_exact_caster(const CellObject& object) {
-  return std::make_unique<ExactCaster>(object);
+std::unique_ptr<ExactCaster> make_exact_caster(const CellObject& object) {
+  return std::make_unique<CellObjectCaster>(object);
 }
 
 }  // namespace mesocell

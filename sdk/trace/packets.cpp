@@ -575,6 +575,7 @@ HWY_INLINE std::uint64_t finish(const PacketScene& s, const Packet& p, std::size
       hit.element = {out_voxel[0][k], out_voxel[1][k], out_voxel[2][k]};
       hit.label = std::uint32_t(out_label[k]);
       hit.face = std::int8_t(out_face[k]);
+      hit.level = 0;
     }
   }
   return left;
