@@ -11,9 +11,14 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Tiles of one slice that are looked at; a wider beam goes no further.
-constexpr std::int64_t kMostTiles = 12;
+constexpr std::int32_t kMostTiles = 12;
 
-using Voxels = std::array<std::int64_t, 3>;
+using Voxels = std::array<std::int32_t, 3>;
+
+/// floor(v / n) of a voxel 0 ≤ v < 2^22.
+std::int32_t tile_of(const BeamGrid& grid, std::int32_t v, std::size_t a) {
+  return std::int32_t((float(v) + 0.5f) * grid.inverse_resolution[a]);
+}
 
 /// The greatest plane on the beam's axis known up to which no ray meets a tile that is not empty; from
 /// `plane`, which is one; infinite if no ray does at all.
@@ -26,13 +31,12 @@ double through_empty_tiles(const BeamGrid& grid, const Beam& beam, double plane)
       const double way = std::max(plane - beam.high[k], 0.0);
       const double least = a == k ? plane : beam.low[a] + way * beam.slope_low[a];
       if (!(least < grid.size[a])) return kInfinity;
-      corner[a] = std::int64_t(std::max(least, 0.0)) / grid.resolution[a];
+      corner[a] = tile_of(grid, std::int32_t(std::max(least, 0.0)), a);
       tile[a] = beam.octant >> a & 1 ? corner[a] : grid.tiles[a] - 1 - corner[a];
     }
-    const std::uint32_t record =
-        grid.tile_records[tile[0] + grid.tiles[0] * (tile[1] + grid.tiles[1] * tile[2])];
+    const std::uint32_t record = grid.tile_records[grid.index(tile)];
     if (record >= kFullTile) return plane;
-    const std::int64_t edge = empty_edge(record, beam.octant);
+    const std::int32_t edge = std::int32_t(empty_edge(record, beam.octant));
     double next = kInfinity;
     for (std::size_t a = 0; a < 3; ++a) {
       // What is beyond the grid is empty too.
@@ -51,7 +55,7 @@ double through_empty_tiles(const BeamGrid& grid, const Beam& beam, double plane)
 }
 
 /// Parts first…last of an axis, as bits of a block of 4 × 4 × 4.
-Bits64 parts_along(std::size_t axis, std::int64_t first, std::int64_t last) {
+Bits64 parts_along(std::size_t axis, std::int32_t first, std::int32_t last) {
   const Bits64 of_axis = (Bits64{2} << last) - (Bits64{1} << first);  // four bits
   if (axis == 0) return of_axis * 0x1111111111111111;
   constexpr auto kSpread = [] {
@@ -69,13 +73,13 @@ Bits64 parts_along(std::size_t axis, std::int64_t first, std::int64_t last) {
 /// Whether all parts that meet the box of voxels low…high are empty. What is beyond the grid is.
 bool parts_are_empty(const BeamGrid& grid, Voxels low, Voxels high) {
   Voxels first{}, last{};
-  std::int64_t count = 1;
+  std::int32_t count = 1;
   for (std::size_t a = 0; a < 3; ++a) {
-    low[a] = std::max<std::int64_t>(low[a], 0);
-    high[a] = std::min(high[a], std::int64_t(grid.size[a]) - 1);
+    low[a] = std::max(low[a], 0);
+    high[a] = std::min(high[a], std::int32_t(grid.size[a]) - 1);
     if (low[a] > high[a]) return true;
-    first[a] = low[a] / grid.resolution[a];
-    last[a] = high[a] / grid.resolution[a];
+    first[a] = tile_of(grid, low[a], a);
+    last[a] = tile_of(grid, high[a], a);
     count *= last[a] - first[a] + 1;
   }
   if (count > kMostTiles) return false;
@@ -83,13 +87,13 @@ bool parts_are_empty(const BeamGrid& grid, Voxels low, Voxels high) {
   for (t[2] = first[2]; t[2] <= last[2]; ++t[2])
     for (t[1] = first[1]; t[1] <= last[1]; ++t[1])
       for (t[0] = first[0]; t[0] <= last[0]; ++t[0]) {
-        const std::uint32_t record = grid.tile_records[t[0] + grid.tiles[0] * (t[1] + grid.tiles[1] * t[2])];
+        const std::uint32_t record = grid.tile_records[grid.index(t)];
         if (record < kFullTile) continue;
         Bits64 parts = grid.occupied_parts[record - kFullTile];
         for (std::size_t a = 0; a < 3; ++a) {
-          const std::int64_t begin = t[a] * grid.resolution[a];
-          const std::int64_t from = std::max(low[a] - begin, std::int64_t{0});
-          const std::int64_t to = std::min(high[a] - begin, std::int64_t{grid.resolution[a]} - 1);
+          const std::int32_t begin = t[a] * grid.resolution[a];
+          const std::int32_t from = std::max(low[a] - begin, 0);
+          const std::int32_t to = std::min(high[a] - begin, grid.resolution[a] - 1);
           parts &= parts_along(a, from >> grid.part_shift[a], to >> grid.part_shift[a]);
         }
         if (parts != 0) return false;
@@ -115,8 +119,8 @@ double through_empty_parts(const BeamGrid& grid, const Beam& beam, double plane)
       least = std::max(least, 0.0) - 0x1p-10;
       most = std::min(most, grid.size[a]) + 0x1p-10;
       // Above -1, where adding 1 makes a floor of what is cut off.
-      low[a] = std::int64_t((beam.octant >> a & 1 ? least : grid.size[a] - most) + 1) - 1;
-      high[a] = std::int64_t((beam.octant >> a & 1 ? most : grid.size[a] - least) + 1) - 1;
+      low[a] = std::int32_t((beam.octant >> a & 1 ? least : grid.size[a] - most) + 1) - 1;
+      high[a] = std::int32_t((beam.octant >> a & 1 ? most : grid.size[a] - least) + 1) - 1;
     }
     if (!parts_are_empty(grid, low, high)) return plane;
     plane = through_empty_tiles(grid, beam, next);

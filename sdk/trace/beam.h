@@ -22,8 +22,14 @@ struct BeamGrid {
   std::array<std::int32_t, 3> tiles{}, resolution{};
   std::array<std::int32_t, 3> part_shift{};  ///< parts of tiles have 1 << part_shift voxels on an axis
   std::array<double, 3> size{};              ///< of the grid, voxels
+  std::array<float, 3> inverse_resolution{};
   const std::uint32_t* tile_records = nullptr;
-  const std::uint64_t* occupied_parts = nullptr;  ///< of sets of pieces, not mirrored
+  const Bits64* occupied_parts = nullptr;  ///< of sets of pieces, not mirrored
+
+  [[nodiscard]] std::size_t index(const std::array<std::int32_t, 3>& tile) const {
+    return std::size_t(tile[0]) +
+           std::size_t(tiles[0]) * (std::size_t(tile[1]) + std::size_t(tiles[1]) * std::size_t(tile[2]));
+  }
 };
 
 /// Where the rays of a beam may begin, besides at their origins: they are known to meet nothing before they

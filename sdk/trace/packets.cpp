@@ -148,6 +148,16 @@ HWY_INLINE F to_real(I a) {
 #endif
   return r;
 }
+HWY_INLINE MF to_halves(M m) {
+  MF r;
+#if MESOCELL_HALVES
+  const F sign = to_real(hn::VecFromMask(di, m));
+  for (std::size_t h = 0; h < kHalves; ++h) r.m[h] = hn::Lt(sign.v[h], hn::Zero(d));
+#else
+  r.m[0].raw = m.raw;  // both are a bit a lane
+#endif
+  return r;
+}
 HWY_INLINE M to_lanes(MF m) { return hn::Ne(to_integer(select(m, real(1), real(0))), hn::Zero(di)); }
 HWY_INLINE I bits_of(U u) { return hn::BitCast(di, u); }
 HWY_INLINE I gather(const std::uint32_t* base, I index) { return bits_of(hn::GatherIndex(du, base, index)); }
@@ -491,11 +501,12 @@ HWY_INLINE void move(const PacketScene& s, Packet& p, const Look& l) {
   const F t = min(min(passage[0], passage[1]), passage[2]);
   const MF on_x = passage[0] == t, on_y = passage[1] == t;
   const MF on[3] = {on_x, on_y & ~on_x, ~(on_x | on_y)};
+  const MF active = to_halves(p.active);
   M in_grid = p.active;
   for (std::size_t a = 0; a < 3; ++a) {
     const F x = select(on[a], plane[a] + p.beyond[a], mul_add(t, p.direction[a], p.origin[a]));
     const F v = floor(x);
-    p.doubt = max(p.doubt, distance_from_middle(x, v));
+    p.doubt = select(active, max(p.doubt, distance_from_middle(x, v)), p.doubt);
     const I next = to_integer(v);
     p.voxel[a] = hn::IfThenElse(p.active, next, p.voxel[a]);
     in_grid = hn::And(in_grid, below(next, s.tiles[a] * s.resolution[a]));

@@ -27,7 +27,6 @@ struct PacketScene : BeamGrid {
   /// Whether tiles are cubes of 16, 32, 64, … voxels, of which a step takes less time.
   bool cubes = false;
   std::int32_t log2_resolution = 0;  ///< of cubes
-  std::array<float, 3> inverse_resolution{};
   const std::uint8_t* parts = nullptr;
   const std::uint32_t* block_records = nullptr;
   const std::uint8_t* bricks = nullptr;
