@@ -172,21 +172,20 @@ void TileBlocks::make_bricks(const Runs& runs, unsigned octant) {
       const auto least_run = [&](std::size_t a) {  // along axis a, over the rectangle of the other two
         const std::size_t u = a == 0 ? 1 : 0, v = a == 2 ? 1 : 2;
         std::uint32_t least = most;
-        for (std::uint32_t j = 0; j < edge[v]; ++j)
-          for (std::uint32_t i = 0; i < edge[u]; ++i)
+        for (std::uint32_t j = 0; j < edge[v] && least > e; ++j)
+          for (std::uint32_t i = 0; i < edge[u] && least > e; ++i)
             least = std::min<std::uint32_t>(least, run[a][to[a][0] + to[u][i] + to[v][j]]);
         return least;
       };
-      // Then longer on one axis after the other, that one first on which it can be longest.
+      // Then longer on one axis after the other, that one first on which the voxel's own run is longest.
       std::array<std::size_t, 3> order{0, 1, 2};
-      const std::array<std::uint32_t, 3> can{least_run(0), least_run(1), least_run(2)};
+      const std::size_t at = to[0][0] + to[1][0] + to[2][0];
+      const std::array<std::uint8_t, 3> can{run[0][at], run[1][at], run[2][at]};
       if (can[order[1]] > can[order[0]]) std::swap(order[0], order[1]);
       if (can[order[2]] > can[order[1]]) std::swap(order[1], order[2]);
       if (can[order[1]] > can[order[0]]) std::swap(order[0], order[1]);
-      edge[order[0]] = can[order[0]];
-      edge[order[1]] = least_run(order[1]);
-      edge[order[2]] = least_run(order[2]);
-      std::uint32_t voxel = runs.ids[to[0][0] + to[1][0] + to[2][0]];
+      for (const std::size_t a : order) edge[a] = least_run(a);
+      std::uint32_t voxel = runs.ids[at];
       for (std::size_t a = 0; a < 3; ++a) voxel |= (edge[a] - 1) << (id_bits_ + a * edge_bits_);
       const std::uint16_t half = std::uint16_t(voxel);
       if (voxel_shift_ == 1)
