@@ -16,7 +16,7 @@ const std::vector<RaySet> kAllRays = {RaySet::kPrimary, RaySet::kDiffuse, RaySet
                                       RaySet::kShadow};
 
 BenchSet quick_set() {
-  return {.scenes = {std::string(kReference)},
+  return {.scenes = {std::string(kReference), "wavy-voronoi-16x32"},
           .views = {"full", "grazing"},
           .rays = {RaySet::kPrimary, RaySet::kDiffuse},
           .primary_only = {"grazing"},
@@ -52,7 +52,8 @@ BenchSet full_set() {
                .more_views = kGrazing,
                .methods = bench_methods(),
                .pass_seconds = 1,
-               .max_seconds = 0};
+               .max_seconds = 0,
+               .max_peer_bytes = std::uint64_t{1} << 36};
   for (const BenchShape& shape : bench_shapes())
     for (const BenchTile& tile : bench_tiles())
       for (const char* tiles : {"16", "64", "128"})

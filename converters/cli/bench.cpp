@@ -150,7 +150,7 @@ std::optional<Failure> make_options(const BenchCommand& command, const BenchSet&
   options.seed = command.seed;
   options.oracle_rays = command.oracle;
   options.max_seconds = command.max_seconds.value_or(set.max_seconds);
-  options.max_peer_bytes = machine.memory_bytes / 3;
+  options.max_peer_bytes = std::min(machine.memory_bytes / 3, set.max_peer_bytes);
   return std::nullopt;
 }
 
