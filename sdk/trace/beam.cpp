@@ -135,32 +135,13 @@ double empty_until(const BeamGrid& grid, const Beam& beam) {
   return std::max(plane - beam.high[beam.axis], 0.0);
 }
 
-bool add_to_beam(Beam& beam, const Beam& other) {
-  if (beam.axis != other.axis || beam.octant != other.octant) return false;
-  for (std::size_t a = 0; a < 3; ++a) {
-    beam.low[a] = std::min(beam.low[a], other.low[a]);
-    beam.high[a] = std::max(beam.high[a], other.high[a]);
-    beam.slope_low[a] = std::min(beam.slope_low[a], other.slope_low[a]);
-    beam.slope_high[a] = std::max(beam.slope_high[a], other.slope_high[a]);
-  }
-  return true;
-}
-
-void find_starts(const BeamGrid& grid, const Beam& all, const Beam* beams, std::size_t count,
-                 BeamStart* starts) {
-  const std::size_t k = all.axis;
-  const double together = through_empty_tiles(grid, all, std::max(all.low[k], 0.0));
-  for (std::size_t b = 0; b < count; ++b) {
-    double plane = together;
-    if (plane < grid.size[k]) plane = through_empty_parts(grid, beams[b], plane);
-    if (!(plane < grid.size[k])) {
-      starts[b].misses = true;
-      continue;
-    }
-    // Half a voxel before the plane rays are in the middle of nothing.
-    starts[b].axis = unsigned(k);
-    starts[b].plane = all.octant >> k & 1 ? plane - 0.5 : grid.size[k] - plane + 0.5;
-  }
+BeamStart find_start(const BeamGrid& grid, const Beam& beam) {
+  const std::size_t k = beam.axis;
+  double plane = through_empty_tiles(grid, beam, std::max(beam.low[k], 0.0));
+  if (plane < grid.size[k]) plane = through_empty_parts(grid, beam, plane);
+  if (!(plane < grid.size[k])) return {.misses = true};
+  // Half a voxel before the plane rays are in the middle of nothing.
+  return {.axis = unsigned(k), .plane = beam.octant >> k & 1 ? plane - 0.5 : grid.size[k] - plane + 0.5};
 }
 
 }  // namespace mesocell

@@ -44,12 +44,7 @@ struct BeamStart {
 /// none does at all.
 [[nodiscard]] double empty_until(const BeamGrid& grid, const Beam& beam);
 
-/// Widens a beam by another of the same axis; false if they go another way.
-[[nodiscard]] bool add_to_beam(Beam& beam, const Beam& other);
-
-/// Finds where the rays of each of `count` beams may begin, of which `all` is the union: through empty tiles
-/// all together, then each through empty parts of tiles.
-void find_starts(const BeamGrid& grid, const Beam& all, const Beam* beams, std::size_t count,
-                 BeamStart* starts);
+/// Finds where the rays of a beam may begin: through empty tiles, then through empty parts of tiles too.
+[[nodiscard]] BeamStart find_start(const BeamGrid& grid, const Beam& beam);
 
 }  // namespace mesocell

@@ -124,6 +124,11 @@ HWY_INLINE MF operator~(MF a) {
   MF r;
   MESOCELL_LANES(r.m[h] = hn::Not(a.m[h]));
 }
+HWY_INLINE bool all_true(MF a) {
+  bool all = true;
+  for (std::size_t h = 0; h < kHalves; ++h) all = all && hn::AllTrue(d, a.m[h]);
+  return all;
+}
 HWY_INLINE F select(MF m, F a, F b) {
   F r;
   MESOCELL_LANES(r.v[h] = hn::IfThenElse(m.m[h], a.v[h], b.v[h]));
@@ -236,17 +241,28 @@ struct Bounds {
   Range origin[3], slope[3];
 };
 
+/// A point that many rays begin at, in metres and in voxels.
+struct Eye {
+  double metres[3], voxels[3];
+};
+
 /// Prepares the rays of a packet; the first one of a beam begins its bounds. `k`: the axis of slopes.
-HWY_INLINE void prepare(const PacketScene& s, const double* rays, std::size_t first, std::size_t k, Rays& out,
-                        bool begins, Bounds& bounds) {
-  const F zero = real(0), one = real(1), edge = real(s.voxel_edge);
+HWY_INLINE void prepare(const PacketScene& s, const Eye& eye, const double* rays, std::size_t first,
+                        std::size_t k, Rays& out, bool begins, Bounds& bounds) {
+  const F zero = real(0), one = real(1);
   const double longest = std::max({s.size[0], s.size[1], s.size[2]});
   F o[3], r[3], inverse[3];
   load_rays(rays, first, o, r);
   F fastest = zero, farthest = zero;
+  // The same operations as in the scalar walk; divisions take long, so those of the eye are made once.
+  const MF together =
+      (o[0] == real(eye.metres[0])) & (o[1] == real(eye.metres[1])) & (o[2] == real(eye.metres[2]));
+  if (all_true(together)) {
+    for (std::size_t a = 0; a < 3; ++a) o[a] = real(eye.voxels[a]);
+  } else {
+    for (std::size_t a = 0; a < 3; ++a) o[a] = (o[a] - real(s.corner[a])) / real(s.voxel_edge);
+  }
   for (std::size_t a = 0; a < 3; ++a) {
-    // The same operations in the same order as in the scalar walk.
-    o[a] = (o[a] - real(s.corner[a])) / edge;
     fastest = max(fastest, abs(r[a]));
     farthest = max(farthest, abs(o[a]));
   }
@@ -592,37 +608,21 @@ HWY_INLINE std::uint64_t finish(const PacketScene& s, const Packet& p, std::size
   return left;
 }
 
-/// Rays of a beam of its own: a square of 4 × 4.
-constexpr std::size_t kBeamRays = 16;
-constexpr std::size_t kBeams = kPacketRays / kBeamRays;
-
 template <bool kCubes, bool kFlat>
-HWY_INLINE std::uint64_t walk(const PacketScene& s, const BeamStart* starts, const Rays& rays,
-                              StreamHit* hits, std::uint64_t* steps) {
+HWY_INLINE std::uint64_t walk(const PacketScene& s, const BeamStart& start, const Rays& rays, StreamHit* hits,
+                              std::uint64_t* steps) {
   std::uint64_t undecided = 0;
   // Several packets at a time: while one waits for memory, the others go on. Where one ends the next begins.
   Packet p[kPackets];
   std::size_t first[kPackets], next = 0;
   const auto begin_next = [&](std::size_t k) {
-    for (; next < kPacketRays; next += kLanes) {
-      const BeamStart& start = starts[next / kBeamRays];
-      if (start.misses) continue;
-      first[k] = next;
-      begin(s, start, rays, next, p[k]);
-      next += kLanes;
-      return true;
-    }
-    first[k] = kPacketRays;
-    p[k].active = hn::FirstN(di, 0);
-    return false;
+    first[k] = next;
+    if (next < kPacketRays) begin(s, start, rays, next, p[k]);
+    next = std::min(next + kLanes, kPacketRays);
+    return first[k] < kPacketRays;
   };
   std::size_t left = 0;
   for (std::size_t k = 0; k < kPackets; ++k) left += begin_next(k);
-  if (left > 0 && left < kPackets)
-    for (std::size_t k = left; k < kPackets; ++k) {
-      p[k] = p[0];
-      p[k].active = hn::FirstN(di, 0);
-    }
   for (unsigned round = 1; left > 0; ++round) {
     if (steps)
       for (const Packet& packet : p) *steps += hn::CountTrue(di, packet.active);
@@ -645,29 +645,26 @@ std::uint64_t Trace(const PacketScene& s, const double* rays_in, StreamHit* hits
   std::size_t k = 0;
   for (std::size_t a = 1; a < 3; ++a)
     if (std::abs(rays_in[3 + a]) > std::abs(rays_in[3 + k])) k = a;
-  Beam beams[kBeams], all;
-  BeamStart starts[kBeams];
-  bool is_beam = true;
-  for (std::size_t b = 0; b < kBeams; ++b) {
-    Bounds bounds;
-    for (std::size_t first = 0; first < kBeamRays; first += kLanes)
-      prepare(s, rays_in, b * kBeamRays + first, k, rays, first == 0, bounds);
-    is_beam = is_beam && make_beam(s, bounds, k, beams[b]);
-    if (!is_beam) continue;
-    if (b == 0)
-      all = beams[0];
-    else
-      is_beam = add_to_beam(all, beams[b]);
+  Eye eye;
+  for (std::size_t a = 0; a < 3; ++a) {
+    eye.metres[a] = rays_in[a];
+    eye.voxels[a] = (rays_in[a] - s.corner[a]) / s.voxel_edge;
   }
-  if (is_beam) find_starts(s, all, beams, kBeams, starts);
-  for (std::size_t b = 0; b < kBeams; ++b)
-    if (starts[b].misses)
-      for (std::size_t l = 0; l < kBeamRays; ++l) hits[place_of(b * kBeamRays + l)] = StreamHit{};
+  Bounds bounds;
+  for (std::size_t first = 0; first < kPacketRays; first += kLanes)
+    prepare(s, eye, rays_in, first, k, rays, first == 0, bounds);
+  Beam beam;
+  BeamStart start;
+  if (make_beam(s, bounds, k, beam)) start = find_start(s, beam);
+  if (start.misses) {
+    for (std::size_t l = 0; l < kPacketRays; ++l) hits[l] = StreamHit{};
+    return 0;
+  }
   if (s.flat)
-    return s.cubes ? walk<true, true>(s, starts, rays, hits, steps)
-                   : walk<false, true>(s, starts, rays, hits, steps);
-  return s.cubes ? walk<true, false>(s, starts, rays, hits, steps)
-                 : walk<false, false>(s, starts, rays, hits, steps);
+    return s.cubes ? walk<true, true>(s, start, rays, hits, steps)
+                   : walk<false, true>(s, start, rays, hits, steps);
+  return s.cubes ? walk<true, false>(s, start, rays, hits, steps)
+                 : walk<false, false>(s, start, rays, hits, steps);
 }
 
 std::size_t LaneCount() { return kLanes; }
