@@ -42,7 +42,7 @@ constexpr Method kMethods[] = {
     {"exact",
      [](const CellObject& object, std::string_view parameter) -> Made {
        if (!parameter.empty()) return Error{ErrorCode::kUsage, "method exact takes no parameter"};
-       return Made(make_exact_caster(object));
+       return make_exact_caster(object);
      }},
     {"linear",
      [](const CellObject& object, std::string_view parameter) -> Made {

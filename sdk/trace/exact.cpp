@@ -131,8 +131,10 @@ class CellObjectCaster final : public ExactCaster {
 
 }  // namespace
 
-std::unique_ptr<ExactCaster> make_exact_caster(const CellObject& object) {
+std::unique_ptr<ExactCaster> ExactCaster::make(const CellObject& object) {
   return std::make_unique<CellObjectCaster>(object);
 }
+
+std::unique_ptr<Caster> make_exact_caster(const CellObject& object) { return ExactCaster::make(object); }
 
 }  // namespace mesocell

@@ -12,11 +12,13 @@ namespace mesocell {
 /// empty tiles, over instances that are not INSIDE and over empty space are as large as is known to be safe.
 class ExactCaster : public Caster {
  public:
+  [[nodiscard]] static std::unique_ptr<ExactCaster> make(const CellObject& object);
+
   /// How far all of the rays are known to go through empty tiles before any of them may hit, metres; infinite
   /// if none does, 0 if they begin at different points or go different ways.
   [[nodiscard]] virtual double empty_way(std::span<const Ray> rays) const = 0;
 };
 
-[[nodiscard]] std::unique_ptr<ExactCaster> make_exact_caster(const CellObject& object);
+[[nodiscard]] std::unique_ptr<Caster> make_exact_caster(const CellObject& object);
 
 }  // namespace mesocell

@@ -63,11 +63,11 @@ double distance_to(const Box3& box, Vec3 p) {
 class LodCaster final : public Caster {
  public:
   LodCaster(const CellObject& object, double pixels) : pixels_(pixels) {
-    levels_.push_back(make_exact_caster(object));
+    levels_.push_back(ExactCaster::make(object));
     for (unsigned level = 1; level < 8; ++level) {
       const std::optional<CellObject> next = coarser(object, level);
       if (!next) break;
-      levels_.push_back(make_exact_caster(*next));
+      levels_.push_back(ExactCaster::make(*next));
     }
   }
 
