@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "sdk/core/parallel.h"
 
@@ -13,6 +14,8 @@ namespace mesocell {
 namespace {
 
 constexpr std::uint32_t kTilePixels = 32;
+/// Pixels a side whose rays are cast together, as Caster::first_hits() likes them best.
+constexpr std::uint32_t kSquare = 8;
 constexpr float kMissDepth = std::numeric_limits<float>::infinity();
 
 struct Mode {
@@ -86,15 +89,35 @@ class Renderer {
         radiance_(caster, options.lighting, environment_, camera.forward()),
         result_(result) {}
 
-  /// Returns whether the ray through the pixel's centre hits.
-  bool pixel(std::uint32_t x, std::uint32_t y) {
+  /// Renders the pixels of [x0, x1) × [y0, y1), at most kSquare a side. Returns how many rays through their
+  /// centres hit.
+  std::uint64_t square(std::uint32_t x0, std::uint32_t y0, std::uint32_t x1, std::uint32_t y1) {
+    std::array<Ray, kSquare * kSquare> rays;
+    std::array<StreamHit, kSquare * kSquare> hits;
+    std::size_t n = 0;
+    for (std::uint32_t y = y0; y < y1; ++y)
+      for (std::uint32_t x = x0; x < x1; ++x) rays[n++] = camera_.ray(x + 0.5, y + 0.5);
+    caster_.first_hits(std::span(rays).first(n), std::span(hits).first(n));
+    std::uint64_t found = 0;
+    n = 0;
+    for (std::uint32_t y = y0; y < y1; ++y)
+      for (std::uint32_t x = x0; x < x1; ++x, ++n) {
+        pixel(x, y, rays[n], hits[n]);
+        found += hits[n].hit();
+      }
+    return found;
+  }
+
+ private:
+  void pixel(std::uint32_t x, std::uint32_t y, const Ray& ray, const StreamHit& centre) {
     const std::size_t i = x + std::size_t{options_.width} * y;
-    const Ray ray = camera_.ray(x + 0.5, y + 0.5);
+    const bool found = centre.hit();
     Hit hit;
-    const bool found = caster_.first_hit(ray, hit);
     if (found) {
-      result_.depth[i] = float(hit.t);
-      result_.cell[i] = float(hit.label);
+      result_.depth[i] = float(centre.t);
+      result_.cell[i] = float(centre.label);
+      if (needs_layers(options_) || options_.mode == RenderMode::kFirstHit)
+        hit = caster_.details(ray, centre);
       if (needs_layers(options_)) {
         store(result_.normal, i, caster_.shading_normal(hit));
         store(result_.color, i, caster_.color(hit, ray.origin + ray.direction * hit.t));
@@ -104,7 +127,7 @@ class Renderer {
       case RenderMode::kDepth:
         break;  // needs all depths first
       case RenderMode::kCell:
-        if (found) store(result_.rgb, i, label_color(hit.label));
+        if (found) store(result_.rgb, i, label_color(centre.label));
         break;
       case RenderMode::kNormal:
         for (std::size_t c = 0; found && c < 3; ++c)
@@ -118,10 +141,8 @@ class Renderer {
         store(result_.rgb, i, picture(x, y, ray, found, hit));
         break;
     }
-    return found;
   }
 
- private:
   Vec3 picture(std::uint32_t x, std::uint32_t y, const Ray& centre, bool found, const Hit& centre_hit) {
     Rng rng(x + (std::uint64_t{y} << 32));
     if (options_.samples == 1)
@@ -187,9 +208,11 @@ Result<RenderResult> render(const Caster& caster, const RenderOptions& options, 
     const std::uint32_t x0 = std::uint32_t(k % columns) * kTilePixels,
                         y0 = std::uint32_t(k / columns) * kTilePixels;
     std::uint64_t tile_hits = 0;
-    for (std::uint32_t y = y0; y < std::min(y0 + kTilePixels, options.height); ++y)
-      for (std::uint32_t x = x0; x < std::min(x0 + kTilePixels, options.width); ++x)
-        tile_hits += renderer.pixel(x, y);
+    const std::uint32_t x1 = std::min(x0 + kTilePixels, options.width),
+                        y1 = std::min(y0 + kTilePixels, options.height);
+    for (std::uint32_t y = y0; y < y1; y += kSquare)
+      for (std::uint32_t x = x0; x < x1; x += kSquare)
+        tile_hits += renderer.square(x, y, std::min(x + kSquare, x1), std::min(y + kSquare, y1));
     hits += tile_hits;
   };
   if (!parallel_for(std::size_t{columns} * rows, options.threads, render_tile, progress, "render"))

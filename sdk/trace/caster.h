@@ -24,7 +24,7 @@ struct Hit {
   bool on_cut = false;  ///< on a plane that the object is cut by, whose normal face_normal then is
 };
 
-/// Where a ray of a stream meets an object: what costs least to tell. Caster::first_hit() tells the rest.
+/// Where a ray of a stream meets an object: what costs least to tell. Caster::details() tells the rest.
 struct StreamHit {
   static constexpr double kMiss = std::numeric_limits<double>::infinity();
 
@@ -54,6 +54,9 @@ class Caster {
   /// each other and go the same way should be near each other in the stream too: squares of 8 × 8 pixels,
   /// rows in turn, are best. `hits` has as many entries as `rays` (assert). No allocation.
   virtual void first_hits(std::span<const Ray> rays, std::span<StreamHit> hits) const;
+
+  /// What first_hit() tells of a ray, from what first_hits() told of it, which is no miss.
+  [[nodiscard]] virtual Hit details(const Ray& ray, const StreamHit& hit) const;
 
   /// Whether anything is hit at t ≤ `end`. False also for a ray that is not finite or has no direction, and
   /// for an end that is no number. No allocation.

@@ -234,19 +234,31 @@ Ray CellScene::to_voxels(const Ray& ray) const {
 }
 
 void CellScene::set_hit(const WalkRay& ray, const WalkPlace& place, Hit& hit) const {
-  const Voxel tile = tile_of(place.voxel);
-  const Piece& piece = pieces_[blocks_.id_at(in_tile(place.voxel, tile)) - 1];
+  hit = {};
   hit.t = place.t * ray.scale * voxel_edge_;
-  hit.label = piece.cell;
-  hit.instance =
-      std::int64_t(tile_index({tile[0] + piece.home[0], tile[1] + piece.home[1], tile[2] + piece.home[2]}));
   hit.element = place.voxel;
-  hit.face_normal = {};
-  hit.on_cut = false;
+  set_instance(hit);
   if (place.entry_axis >= 0) {
     const std::size_t a = std::size_t(place.entry_axis);
     hit.face_normal[a] = ray.rises(a) ? -1 : 1;
   }
+}
+
+void CellScene::set_instance(Hit& hit) const {
+  const Voxel tile = tile_of(hit.element);
+  const Piece& piece = pieces_[blocks_.id_at(in_tile(hit.element, tile)) - 1];
+  hit.label = piece.cell;
+  hit.instance =
+      std::int64_t(tile_index({tile[0] + piece.home[0], tile[1] + piece.home[1], tile[2] + piece.home[2]}));
+}
+
+Hit CellScene::details(const StreamHit& hit) const {
+  Hit out;
+  out.t = hit.t;
+  out.element = {hit.element[0], hit.element[1], hit.element[2]};
+  set_instance(out);
+  if (hit.face >= 0) out.face_normal[std::size_t(hit.face / 2)] = hit.face % 2 ? 1 : -1;
+  return out;
 }
 
 Vec3 CellScene::shading_normal(const Hit& hit) const {

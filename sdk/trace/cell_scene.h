@@ -66,10 +66,15 @@ class CellScene {
   /// Fills a hit on an INSIDE voxel. `t` in voxels.
   void set_hit(const WalkRay& ray, const WalkPlace& place, Hit& hit) const;
 
+  /// What a hit of a stream leaves out.
+  [[nodiscard]] Hit details(const StreamHit& hit) const;
+
   /// Outward normal at a hit: the direction in which solid turns to empty in the voxels around it.
   [[nodiscard]] Vec3 shading_normal(const Hit& hit) const;
 
  private:
+  /// Fills label and instance of a hit from its element.
+  void set_instance(Hit& hit) const;
   void find_empty_tiles(const Index3& tiles);
   void find_parts();
 

@@ -90,6 +90,7 @@ class CellObjectCaster final : public ExactCaster {
     return empty_until(packet_scene_, beam) * scene_.voxel_edge();
   }
 
+  Hit details(const Ray&, const StreamHit& hit) const override { return scene_.details(hit); }
   bool inside(Vec3 point) const override { return scene_.inside_point(point); }
   Vec3 shading_normal(const Hit& hit) const override { return scene_.shading_normal(hit); }
   Vec3 color(const Hit& hit, Vec3 point) const override { return scene_.color(hit, point); }

@@ -94,6 +94,12 @@ class LodCaster final : public Caster {
     return steps;
   }
 
+  Hit details(const Ray& ray, const StreamHit& hit) const override {
+    Hit out = levels_[hit.level]->details(ray, hit);
+    out.level = hit.level;
+    return out;
+  }
+
   bool first_exit(const Ray& ray, Hit& hit) const override { return levels_[0]->first_exit(ray, hit); }
   bool inside(Vec3 point) const override { return levels_[0]->inside(point); }
   Vec3 shading_normal(const Hit& hit) const override { return levels_[hit.level]->shading_normal(hit); }

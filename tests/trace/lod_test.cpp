@@ -92,7 +92,7 @@ TEST_CASE("near rays see the finest level, and a single ray tells its level") {
   const auto lod = make_lod_caster(object, 1);
   const auto exact = make_exact_caster(object);
   int hits = 0;
-  for (int k = 0; k < 500; ++k) {
+  for (int k = 0; k < 1500; ++k) {
     const Ray ray{{rng.uniform(0, 32), rng.uniform(0, 32), rng.uniform(0, 32)},
                   normalize({rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)})};
     Hit a, b;
