@@ -254,12 +254,15 @@ HWY_INLINE void prepare(const PacketScene& s, const double* rays, std::size_t fi
   const F doubtful =
       select(good, real(0.5) - (farthest + farthest + real(longest)) * real(0x1p-47), real(-1));
   for (std::size_t a = 0; a < 3; ++a) {
-    const F slope = r[a] * abs(inverse[k]);
+    // A minimum may pass over what is no number, and then over what was met before: infinity stands for it.
+    F origin = o[a], slope = r[a] * abs(inverse[k]);
+    origin = select(abs(origin) < real(0x1p40), origin, real(HUGE_VAL));
+    slope = select(abs(slope) < real(16), slope, real(HUGE_VAL));
     if (begins) {
-      bounds.origin[a].begin(o[a]);
+      bounds.origin[a].begin(origin);
       bounds.slope[a].begin(slope);
     } else {
-      bounds.origin[a].add(o[a]);
+      bounds.origin[a].add(origin);
       bounds.slope[a].add(slope);
     }
     store(o[a], out.origin[a] + first);
@@ -276,10 +279,8 @@ HWY_INLINE bool make_beam(const PacketScene& s, const Bounds& bounds, std::size_
   for (std::size_t a = 0; a < 3; ++a) {
     const double slowest = bounds.slope[a].least(), fastest = bounds.slope[a].greatest();
     const double low = bounds.origin[a].least(), high = bounds.origin[a].greatest();
-    // Also where something is no number. On axis k slopes are 1 or -1.
-    if (!(slowest >= 0 || fastest <= 0) || !(slowest > -16 && fastest < 16) ||
-        !(low > -0x1p40 && high < 0x1p40))
-      return false;
+    // On axis k slopes are 1 or -1.
+    if (!(slowest >= 0 || fastest <= 0) || !(fastest < 16) || !(high < 0x1p40)) return false;
     const bool rises = fastest > 0;
     beam.octant |= unsigned{rises} << a;
     // Rounding is far less, of the positions and of the slopes.
