@@ -4,8 +4,10 @@
 #include <vector>
 
 #include "sdk/core/rng.h"
+#include "sdk/shade/clip.h"
 #include "sdk/trace/cell_object_caster.h"
 #include "sdk/trace/exact.h"
+#include "sdk/trace/scene.h"
 #include "sdk/trace/walk.h"
 #include "tests/support/cast_oracle.h"
 #include "tests/support/catch.h"
@@ -283,4 +285,32 @@ TEST_CASE("any hit is up to the end, the end included") {
       REQUIRE((*caster)->any_hit(rays[k], ends[k]) == bool(truth[k]));
     }
   }
+}
+
+TEST_CASE("assets of a scene that overlap or touch are one stretch, and a cut ends one") {
+  const CellObject block = make_blocks({4, 4, 4}, 4, [](std::uint32_t x, auto...) { return x != 2; });
+  const auto caster = make_exact_caster(block);
+  // Solid is [0, 8) and [12, 16) of it along x; the second stands 14 further.
+  const auto scene = make_scene({{caster.get(), Transform{}},
+                                 {caster.get(), translation({14, 0, 0})},
+                                 {caster.get(), translation({-8, 0, 0})}});
+  REQUIRE(scene.ok());
+  const Ray ray{{-20, 5.3, 5.1}, {2, 0, 0}};
+  const std::vector<Stretch> found = stretches_of(**scene, ray);
+  const auto at = [](const Hit& hit) { return -20 + 2 * hit.t; };
+  REQUIRE(found.size() == 3);
+  const double ends[] = {-8, 8, 12, 22, 26, 30};
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK(at(found[k].in) == Approx(ends[2 * k]));
+    CHECK(at(found[k].out) == Approx(ends[2 * k + 1]));
+    CHECK(found[k].in.face_normal == Vec3{-1, 0, 0});
+    CHECK(found[k].out.face_normal == Vec3{1, 0, 0});
+  }
+  CHECK(found[1].in.placement == 0);
+  CHECK(found[1].out.placement == 1);
+  const ClippedCaster clipped(**scene, {1, 0, 0}, 13);
+  const std::vector<Stretch> kept = stretches_of(clipped, ray);
+  REQUIRE(kept.size() == 2);
+  CHECK(at(kept[1].out) == Approx(13));
+  CHECK(kept[1].out.on_cut);
 }
