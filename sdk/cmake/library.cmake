@@ -91,8 +91,12 @@ function(mesocell_install_package)
 
   mesocell_pkg_config(mesocell-loader loader "Compact loader of .meso files"
     DEPENDS libzstd LIBS "-lmesocell_loader")
+  set(highway)
+  if(MESOCELL_HIGHWAY)
+    set(highway libhwy)
+  endif()
   mesocell_pkg_config(mesocell runtime "Reads, writes, traces and shades .meso files"
-    DEPENDS libzstd SYSTEM_LIBS "-pthread"
+    DEPENDS "libzstd ${highway}" SYSTEM_LIBS "-pthread"
     LIBS "-lmesocell_measure -lmesocell_shade -lmesocell_trace -lmesocell_core -lmesocell_format")
   if("authoring" IN_LIST components)
     mesocell_pkg_config(mesocell-authoring authoring "Makes .meso files of meshes and tiles"

@@ -1,6 +1,8 @@
 #include "sdk/trace/caster.h"
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace mesocell {
 
@@ -44,6 +46,35 @@ void Caster::any_hits(std::span<const Ray> rays, std::span<const double> ends,
                       std::span<std::uint8_t> found) const {
   assert(rays.size() == ends.size() && rays.size() == found.size());
   for (std::size_t k = 0; k < rays.size(); ++k) found[k] = any_hit(rays[k], ends[k]);
+}
+
+void Caster::all_hits(const Ray& ray, const std::function<bool(const Hit& in, const Hit& out)>& visit) const {
+  const double largest =
+      std::max({std::abs(ray.direction.x), std::abs(ray.direction.y), std::abs(ray.direction.z)});
+  // The square of a direction may be beyond the numbers.
+  const double speed = largest * length(ray.direction / largest);
+  const auto from = [&](double t) { return Ray{ray.origin + ray.direction * t, ray.direction}; };
+  const auto behind = [&](double t) { return t + std::max(0x1p-10 * detail() / speed, 0x1p-48 * t); };
+  Hit in, out, next_in, next_out;
+  bool any = false;
+  for (double t = 0; first_hit(from(t), next_in);) {
+    const bool begins = next_in.t == 0 && next_in.face_normal == Vec3{};
+    next_in.t += t;
+    const double within = begins ? t : behind(next_in.t);
+    const bool leaves = first_exit(from(within), next_out);
+    next_out.t += within;
+    const double next = behind(leaves ? next_out.t : next_in.t);
+    if (!(next > t)) break;
+    t = next;
+    if (!leaves) continue;
+    if (!any || !begins) {
+      if (any && !visit(in, out)) return;
+      in = next_in;
+    }
+    out = next_out;
+    any = true;
+  }
+  if (any) visit(in, out);
 }
 
 std::uint64_t Caster::count_steps(std::span<const Ray>) const { return 0; }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -65,6 +66,17 @@ class Caster {
   /// The same of many rays: found[k] is 1 or 0, of rays[k] up to ends[k]. All spans have one length (assert).
   virtual void any_hits(std::span<const Ray> rays, std::span<const double> ends,
                         std::span<std::uint8_t> found) const;
+
+  /// All stretches of the ray that are inside the object, in order. `visit` is given where each begins, as
+  /// first_hit() tells it, and where it ends, as first_exit() does, with t from the ray's origin; it returns
+  /// false to stop. What touches is one stretch. That of a ray that begins inside begins at t = 0, by no
+  /// face. None of a ray that is not finite or has no direction. No allocation.
+  ///
+  /// Made of first_hit() and first_exit() of rays that begin a little behind where the last one ended, unless
+  /// the method says otherwise: stretches and gaps shorter than 1/1024 of detail() can be missed, of rays
+  /// from far away those shorter than 2^-48 of the way.
+  virtual void all_hits(const Ray& ray,
+                        const std::function<bool(const Hit& in, const Hit& out)>& visit) const;
 
   /// How many steps first_hits() takes for these rays: places at which maps are looked up. 0 if it is not
   /// counted.

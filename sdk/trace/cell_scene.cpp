@@ -225,6 +225,11 @@ void CellScene::solid_box(const Voxel& v, unsigned octant, Voxel& low, Voxel& hi
   std::array<std::uint32_t, 3> to{};
   same_instance_to(m, octant, to);
   box_from(v, octant, m, to, low, high);
+  // A file may say of an instance that leaves the grid that it is INSIDE.
+  for (std::size_t a = 0; a < 3; ++a) {
+    low[a] = std::max<std::int64_t>(low[a], 0);
+    high[a] = std::min(high[a], size_[a]);
+  }
 }
 
 Ray CellScene::to_voxels(const Ray& ray) const {

@@ -29,6 +29,34 @@ class CellObjectCaster final : public ExactCaster {
     trace(rays, hits, nullptr);
   }
 
+  void any_hits(std::span<const Ray> rays, std::span<const double> ends,
+                std::span<std::uint8_t> found) const override {
+    assert(rays.size() == ends.size() && rays.size() == found.size());
+    if (!packets_) return Caster::any_hits(rays, ends, found);
+    std::array<StreamHit, kPacketRays> hits;
+    for (std::size_t first = 0; first < rays.size(); first += kPacketRays) {
+      const std::size_t count = std::min(kPacketRays, rays.size() - first);
+      trace(rays.subspan(first, count), std::span(hits).first(count), nullptr);
+      for (std::size_t k = 0; k < count; ++k)
+        found[first + k] = hits[k].hit() && hits[k].t <= ends[first + k];
+    }
+  }
+
+  void all_hits(const Ray& ray,
+                const std::function<bool(const Hit& in, const Hit& out)>& visit) const override {
+    WalkRay walk;
+    WalkPlace place;
+    if (!WalkRay::make(scene_.to_voxels(ray), walk) || !enter_grid(walk, scene_.size(), place)) return;
+    Hit in, out;
+    std::uint64_t steps = 0;
+    while (pass_empty(walk, place, steps)) {
+      place.entry_axis = entry_axis(walk, place.voxel);
+      scene_.set_hit(walk, place, in);
+      pass_solid(walk, place, out);
+      if (!visit(in, out) || !scene_.in_grid(place.voxel)) return;
+    }
+  }
+
   std::uint64_t count_steps(std::span<const Ray> rays) const override {
     std::uint64_t steps = 0;
     std::array<StreamHit, kPacketRays> hits;
@@ -49,16 +77,7 @@ class CellObjectCaster final : public ExactCaster {
     WalkPlace place;
     if (!WalkRay::make(scene_.to_voxels(ray), walk) || !enter_grid(walk, scene_.size(), place)) return false;
     if (place.entry_axis >= 0 || !scene_.inside(place.voxel)) return false;
-    Voxel low{}, high{}, last{};
-    do {
-      // The last voxel inside is told by the face that the ray leaves by.
-      scene_.solid_box(place.voxel, walk.octant, low, high);
-      last = leave_box(walk, low, high, place);
-    } while (scene_.in_grid(place.voxel) && scene_.inside(place.voxel));
-    WalkPlace exit = place;
-    exit.voxel = last;
-    scene_.set_hit(walk, exit, hit);
-    hit.face_normal = -hit.face_normal;
+    pass_solid(walk, place, hit);
     return true;
   }
 
@@ -103,14 +122,36 @@ class CellObjectCaster final : public ExactCaster {
     WalkRay walk;
     WalkPlace place;
     if (!WalkRay::make(scene_.to_voxels(ray), walk) || !enter_grid(walk, scene_.size(), place)) return false;
+    if (!pass_empty(walk, place, steps)) return false;
+    place.entry_axis = entry_axis(walk, place.voxel);
+    scene_.set_hit(walk, place, hit);
+    return true;
+  }
+
+  /// From a voxel of the grid on to the first that is INSIDE; false if there is none.
+  bool pass_empty(const WalkRay& walk, WalkPlace& place, std::uint64_t& steps) const {
     Voxel low{}, high{};
     for (++steps; scene_.empty_box(place.voxel, walk.octant, low, high); ++steps) {
       leave_box(walk, low, high, place);
       if (!scene_.in_grid(place.voxel)) return false;
     }
-    place.entry_axis = entry_axis(walk, place.voxel);
-    scene_.set_hit(walk, place, hit);
     return true;
+  }
+
+  /// From an INSIDE voxel on to the first that is not, in the grid or beyond; tells how the last is left.
+  void pass_solid(const WalkRay& walk, WalkPlace& place, Hit& out) const {
+    Voxel low{}, high{};
+    do {
+      scene_.solid_box(place.voxel, walk.octant, low, high);
+      leave_box(walk, low, high, place);
+    } while (scene_.in_grid(place.voxel) && scene_.inside(place.voxel));
+    // By which face an edge is left must not depend on the boxes: that of the voxel alone tells.
+    const Voxel last = voxel_before(walk, place);
+    WalkPlace exit;
+    leave_box(walk, last, {last[0] + 1, last[1] + 1, last[2] + 1}, exit);
+    exit.voxel = last;
+    scene_.set_hit(walk, exit, out);
+    out.face_normal = -out.face_normal;
   }
 
   void trace(std::span<const Ray> rays, std::span<StreamHit> hits, std::uint64_t* steps) const {

@@ -10,6 +10,8 @@ namespace mesocell {
 
 /// Exact tracing: the first voxel that the ray visits which is of an INSIDE instance. [spec 4.9] Steps over
 /// empty tiles, over instances that are not INSIDE and over empty space are as large as is known to be safe.
+/// all_hits() is exact as well: a stretch is voxels that the ray visits one after the other. Where it is left
+/// by an edge or a corner, the face is that of the first axis on which the ray rises, else of the first.
 class ExactCaster : public Caster {
  public:
   [[nodiscard]] static std::unique_ptr<ExactCaster> make(const CellObject& object);

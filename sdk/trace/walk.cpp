@@ -133,4 +133,26 @@ int entry_axis(const WalkRay& ray, const Voxel& v) {
   return begins ? -1 : axis;
 }
 
+Voxel voxel_before(const WalkRay& ray, const WalkPlace& place) {
+  const auto passage_into = [&](std::size_t a) {
+    return Passage{a, place.voxel[a] + (ray.rises(a) ? 0 : 1)};
+  };
+  const std::size_t axis = std::size_t(place.entry_axis);
+  const Passage p = passage_into(axis);
+  const double t = passage_t(ray, p);
+  Voxel before = place.voxel;
+  for (std::size_t a = 0; a < 3; ++a) {
+    // Planes that are met at the same point are passed together if the ray rises on both axes, or falls on
+    // both.
+    if (a != axis) {
+      if (ray.direction[a] == 0 || ray.rises(a) != ray.rises(axis)) continue;
+      const Passage q = passage_into(a);
+      const double q_t = passage_t(ray, q);
+      if (comes_before(ray, p, t, q, q_t) || comes_before(ray, q, q_t, p, t)) continue;
+    }
+    before[a] -= ray.rises(a) ? 1 : -1;
+  }
+  return before;
+}
+
 }  // namespace mesocell

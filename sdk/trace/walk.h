@@ -95,9 +95,11 @@ struct WalkPlace {
 /// begins in the voxel.
 [[nodiscard]] int entry_axis(const WalkRay& ray, const Voxel& v);
 
-/// Moves on to the first voxel visited outside the box [low, high) of voxels, which holds the present one,
-/// and returns the last voxel visited within.
-inline Voxel leave_box(const WalkRay& ray, const Voxel& low, const Voxel& high, WalkPlace& place) {
+/// The last voxel that the ray visits before it enters that of `place`, which is not its first.
+[[nodiscard]] Voxel voxel_before(const WalkRay& ray, const WalkPlace& place);
+
+/// Moves on to the first voxel visited outside the box [low, high) of voxels, which holds the present one.
+inline void leave_box(const WalkRay& ray, const Voxel& low, const Voxel& high, WalkPlace& place) {
   Passage best;
   double best_t = 0;
   bool any = false;
@@ -114,12 +116,6 @@ inline Voxel leave_box(const WalkRay& ray, const Voxel& low, const Voxel& high, 
   place.voxel = voxel_at(ray, best, best_t);
   place.t = best_t;
   place.entry_axis = int(best.axis);
-  // On other axes that leave at the same point the voxel may already be beyond the box.
-  Voxel last = place.voxel;
-  last[best.axis] -= ray.rises(best.axis) ? 1 : -1;
-  for (std::size_t a = 0; a < 3; ++a)
-    last[a] = last[a] < low[a] ? low[a] : last[a] >= high[a] ? high[a] - 1 : last[a];
-  return last;
 }
 
 }  // namespace mesocell

@@ -66,7 +66,8 @@ struct ThirdParty {
   std::string_view where;
 };
 
-constexpr std::array<ThirdParty, 12> kThirdParties = {{
+constexpr std::array<ThirdParty, 13> kThirdParties = {{
+    {"hwy/", "sdk/trace/packets.cpp sdk/trace/packet_ "},
     {"CGAL/", "sdk/membership/ sdk/wrap/ "},
     {"OpenMesh/", "converters/import/openmesh_reader.cpp "},
     {"OpenImageIO/", "converters/image/image_module.cpp "},
