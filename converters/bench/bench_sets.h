@@ -18,8 +18,9 @@ struct BenchSet {
   std::vector<std::string> more_scenes = {}, more_views = {};
   std::vector<std::string> methods = {};
   double pass_seconds = 0, max_seconds = 0;  ///< see TimingOptions and BenchOptions
-  /// Peers that would take more memory are left out: making the surface of 64³ tiles takes half a minute.
-  std::uint64_t max_peer_bytes = std::uint64_t{1} << 30;
+  /// Peers that would take more memory are left out: making the surface of 64³ tiles, or the volume of 128³, takes half
+  /// a minute.
+  std::uint64_t max_peer_bytes = std::uint64_t{384} << 20;
 };
 
 /// "quick", below a minute; "default", below ten; "full". Errors: kUsage.

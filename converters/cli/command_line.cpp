@@ -366,7 +366,7 @@ void add_bench(CLI::App& app, BenchCommand& command) {
       ->type_name("N")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}).description(""));
   sub->add_option("--max-seconds", command.max_seconds,
-                  "Begin nothing more after this time, and tell what was left out [40 for quick, 540 for "
+                  "Begin nothing more after this time, and tell what was left out [40 for quick, 400 for "
                   "default]")
       ->type_name("S")
       ->check(CLI::Range(0.01, 1e6).description(""));
