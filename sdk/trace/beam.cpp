@@ -117,7 +117,7 @@ double through_empty_parts(const BeamGrid& grid, const Beam& beam, double plane)
       if (!(least < grid.size[a])) return kInfinity;
       // A coordinate on an integer is of the voxels on both sides.
       least = std::max(least, 0.0) - 0x1p-10;
-      most = std::min(most, grid.size[a]) + 0x1p-10;
+      most = std::clamp(most, -1.0, grid.size[a]) + 0x1p-10;
       // Above -1, where adding 1 makes a floor of what is cut off.
       low[a] = std::int32_t((beam.octant >> a & 1 ? least : grid.size[a] - most) + 1) - 1;
       high[a] = std::int32_t((beam.octant >> a & 1 ? most : grid.size[a] - least) + 1) - 1;
