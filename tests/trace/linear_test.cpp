@@ -68,7 +68,7 @@ double chord(const CellObject& object, const Ray& ray, const Hit& hit) {
 
 }  // namespace
 
-TEST_CASE("linear search is late and misses, the more the longer its step and the flatter the view") {
+TEST_CASE("linear search is late and misses, the more the longer its step and the flatter the view", "[slow]") {
   std::printf(
       "linear search against exact tracing, spheres in a slab; shares of the exact hits\n"
       "tile  view     step   hits   late %%  missed %%  max delay (tile edges)\n");
