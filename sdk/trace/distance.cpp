@@ -53,18 +53,6 @@ class DistanceCaster final : public SamplingCaster {
  public:
   explicit DistanceCaster(const CellObject& object) : SamplingCaster(object) {}
 
-  bool first_hit(const Ray& ray, Hit& hit) const override {
-    std::uint64_t samples = 0;
-    return search(ray, hit, samples);
-  }
-
-  std::uint64_t count_steps(std::span<const Ray> rays) const override {
-    std::uint64_t samples = 0;
-    Hit hit;
-    for (const Ray& ray : rays) search(ray, hit, samples);
-    return samples;
-  }
-
   bool first_exit(const Ray& ray, Hit& hit) const override {
     WalkRay walk;
     if (!WalkRay::make(scene_.to_voxels(ray), walk) || !is_inside(voxel_at_t(walk, 0))) return false;
@@ -82,8 +70,7 @@ class DistanceCaster final : public SamplingCaster {
   }
 
  private:
-  /// first_hit(), which adds the samples it takes to `samples`.
-  bool search(const Ray& ray, Hit& hit, std::uint64_t& samples) const {
+  bool search(const Ray& ray, Hit& hit, std::uint64_t& samples) const override {
     WalkRay walk;
     WalkPlace place;
     if (!WalkRay::make(scene_.to_voxels(ray), walk) || !enter_grid(walk, scene_.size(), place)) return false;

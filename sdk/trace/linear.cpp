@@ -15,18 +15,6 @@ class LinearCaster final : public SamplingCaster {
   LinearCaster(const CellObject& object, double step, LinearStep rule)
       : SamplingCaster(object), step_voxels_(step * scene_.tile_edge()), rule_(rule) {}
 
-  bool first_hit(const Ray& ray, Hit& hit) const override {
-    std::uint64_t samples = 0;
-    return search(ray, hit, samples);
-  }
-
-  std::uint64_t count_steps(std::span<const Ray> rays) const override {
-    std::uint64_t samples = 0;
-    Hit hit;
-    for (const Ray& ray : rays) search(ray, hit, samples);
-    return samples;
-  }
-
   bool first_exit(const Ray& ray, Hit& hit) const override {
     WalkRay walk;
     if (!WalkRay::make(scene_.to_voxels(ray), walk)) return false;
@@ -43,8 +31,7 @@ class LinearCaster final : public SamplingCaster {
   }
 
  private:
-  /// first_hit(), which adds the samples it takes to `samples`.
-  bool search(const Ray& ray, Hit& hit, std::uint64_t& samples) const {
+  bool search(const Ray& ray, Hit& hit, std::uint64_t& samples) const override {
     WalkRay walk;
     WalkPlace place;
     if (!WalkRay::make(scene_.to_voxels(ray), walk) || !enter_grid(walk, scene_.size(), place)) return false;

@@ -15,6 +15,18 @@ class SamplingCaster : public Caster {
  public:
   explicit SamplingCaster(const CellObject& object) : scene_(object) {}
 
+  bool first_hit(const Ray& ray, Hit& hit) const final {
+    std::uint64_t samples = 0;
+    return search(ray, hit, samples);
+  }
+
+  std::uint64_t count_steps(std::span<const Ray> rays) const final {
+    std::uint64_t samples = 0;
+    Hit hit;
+    for (const Ray& ray : rays) search(ray, hit, samples);
+    return samples;
+  }
+
   bool inside(Vec3 point) const final { return scene_.inside_point(point); }
   Vec3 color(const Hit& hit, Vec3 point) const final { return scene_.color(hit, point); }
   double detail() const final { return scene_.voxel_edge(); }
@@ -23,6 +35,9 @@ class SamplingCaster : public Caster {
   std::uint64_t memory_bytes() const final { return scene_.memory_bytes(); }
 
  protected:
+  /// first_hit(), which adds the samples it takes to `samples`.
+  virtual bool search(const Ray& ray, Hit& hit, std::uint64_t& samples) const = 0;
+
   /// Where a ray leaves a box, and by which axis.
   struct Exit {
     double t = std::numeric_limits<double>::infinity();
