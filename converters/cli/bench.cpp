@@ -86,16 +86,9 @@ std::optional<Failure> parse_threads(const BenchCommand& command, std::vector<un
 }
 
 std::optional<Failure> read_object(const std::string& path, std::optional<BenchObject>& object) {
-  const AssetPath place = parse_asset_path(path);
-  const Result<std::vector<std::byte>> bytes = read_input(place.file, ReadLimits{}.max_file_bytes);
-  if (!bytes) return Failure{bytes.error(), place.file};
-  const Result<Container> container = Container::open(*bytes);
-  if (!container) return Failure{container.error(), place.file};
-  const Result<std::size_t> index = find_asset(container->assets(), place.asset);
-  if (!index) return Failure{index.error(), place.file};
-  Result<CellObject> read = read_cell_object(*bytes, {}, *index);
-  if (!read) return Failure{read.error(), path};
-  object = BenchObject{path.substr(path.rfind('/') + 1), std::move(*read)};
+  CellObject read;
+  if (auto failure = read_named_object(path, read)) return failure;
+  object = BenchObject{path.substr(path.rfind('/') + 1), std::move(read)};
   return std::nullopt;
 }
 

@@ -1,5 +1,7 @@
 #include "converters/cli/representations.h"
 
+#include "format/cell_object_io.h"
+
 #include <array>
 #include <charconv>
 #include <filesystem>
@@ -141,6 +143,20 @@ nlohmann::ordered_json describe_assets(const AssetFile& file) {
 
 std::string json_text(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::optional<Failure> read_named_object(const std::string& text, CellObject& object) {
+  const AssetPath place = parse_asset_path(text);
+  const Result<std::vector<std::byte>> bytes = read_input(place.file, ReadLimits{}.max_file_bytes);
+  if (!bytes) return Failure{bytes.error(), place.file};
+  const Result<Container> container = Container::open(*bytes);
+  if (!container) return Failure{container.error(), place.file};
+  const Result<std::size_t> index = find_asset(container->assets(), place.asset);
+  if (!index) return Failure{index.error(), place.file};
+  Result<CellObject> read = read_cell_object(*bytes, {}, *index);
+  if (!read) return Failure{read.error(), text};
+  object = std::move(*read);
+  return std::nullopt;
 }
 
 }  // namespace mesocell

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "converters/cli/console.h"
+#include "format/cell_object.h"
 #include "format/container.h"
 #include "format/limits.h"
 #include "format/result.h"
@@ -68,6 +70,9 @@ struct AssetPath {
 /// Index of the asset that is asked for, 0 if none is. Errors: kUsage.
 [[nodiscard]] Result<std::size_t> find_asset(std::span<const AssetInfo> assets,
                                              const std::optional<std::string>& asset);
+
+/// Reads the cell object that `text` names, a file or FILE#ASSET. Untrusted input: safe.
+[[nodiscard]] std::optional<Failure> read_named_object(const std::string& text, CellObject& object);
 
 /// Reads assets from a file's bytes, which need not live on: the one that is asked for, else all. Untrusted
 /// input: safe. Errors: kInvalidInput with the id, kLimit, kUsage (no such asset).

@@ -110,23 +110,16 @@ void add_warnings(const TileReport& report, std::vector<Warning>& warnings) {
 }
 
 std::optional<Failure> take_saved(const TileSource& source, SourcedTile& tile) {
-  const AssetPath place = parse_asset_path(source.saved);
-  const Result<std::vector<std::byte>> bytes = read_input(place.file, ReadLimits{}.max_file_bytes);
-  if (!bytes) return Failure{bytes.error(), place.file};
-  const Result<Container> container = Container::open(*bytes);
-  if (!container) return Failure{container.error(), place.file};
-  const Result<std::size_t> index = find_asset(container->assets(), place.asset);
-  if (!index) return Failure{index.error(), place.file};
-  Result<CellObject> object = read_cell_object(*bytes, {}, *index);
-  if (!object) return Failure{object.error(), source.saved};
+  CellObject object;
+  if (auto failure = read_named_object(source.saved, object)) return failure;
   tile.recipe = std::filesystem::path(source.saved).filename().string();
-  for (const auto& [key, value] : object->metadata) {
+  for (const auto& [key, value] : object.metadata) {
     if (key == "tile") tile.recipe = value;
     if (key == "color") tile.color_recipe = value;
   }
-  tile.tile = std::move(object->tile);
-  tile.colors = {std::move(object->color), std::move(object->cell_colors)};
-  tile.normals = std::move(object->normals);
+  tile.tile = std::move(object.tile);
+  tile.colors = {std::move(object.color), std::move(object.cell_colors)};
+  tile.normals = std::move(object.normals);
   return std::nullopt;
 }
 
