@@ -74,8 +74,8 @@ TEST_CASE("a file of the user's is measured") {
 }
 
 TEST_CASE("a set leaves out what there is no time for, and says so") {
-  const Run run = bench({"--set", "quick", "--scenes", "torus-voronoi-8x8", "--size", "64x48",
-                         "--max-seconds", "0.01", "--json"});
+  const Run run =
+      bench({"--set", "quick", "--scenes", "torus-voronoi-8x8", "--max-seconds", "0.01", "--json"});
   INFO(run.err);
   REQUIRE(run.exit == 0);
   CHECK(run.json()["rows"].size() > 0);
