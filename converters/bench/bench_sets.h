@@ -12,6 +12,7 @@ namespace mesocell {
 struct BenchSet {
   std::vector<std::string> scenes = {}, views = {};  ///< names, each with each
   std::vector<RaySet> rays = {};                     ///< of each view
+  std::vector<RaySet> first_rays = {};               ///< more of them, of the first scene
   /// Views whose other rays than primary ones are left out.
   std::vector<std::string> primary_only = {};
   /// More scenes with views of their own, primary rays.

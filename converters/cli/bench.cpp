@@ -59,6 +59,7 @@ std::optional<Failure> make_set(const BenchCommand& command, BenchSet& set) {
   if (auto failure = replace("--rays", command.rays, rays)) return failure;
   if (rays.empty()) return std::nullopt;
   set.rays.clear();
+  set.first_rays.clear();
   set.primary_only.clear();
   for (const std::string& word : rays) {
     const auto kind = find_ray_set(word);

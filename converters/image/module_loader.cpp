@@ -24,6 +24,18 @@ std::vector<std::filesystem::path> module_folders() {
 
 }  // namespace
 
+Result<std::string> find_module_file(const std::string& file) {
+  std::string tried;
+  for (const std::filesystem::path& folder : module_folders()) {
+    const std::filesystem::path path = folder / file;
+    std::error_code error;
+    if (std::filesystem::exists(path, error)) return path.string();
+    tried += (tried.empty() ? "" : ", ") + path.string();
+  }
+  return Error{ErrorCode::kOutput,
+               file + " is missing (" + tried + "); install it, or name its folder in MESOCELL_MODULE_PATH"};
+}
+
 Result<void*> load_module(const std::string& name) {
   std::string tried;
   for (const std::filesystem::path& folder : module_folders()) {

@@ -169,6 +169,11 @@ Result<Voxelization> repair_and_voxelize(const TriangleMesh& given, const TileMa
                "mesh-bounds-nothing"};
 }
 
+Warning nothing_inside() {
+  return {"no-inside-cells",
+          "no cell fits inside the shape, so there is nothing to see; use more tiles, or a tile of more cells"};
+}
+
 }  // namespace
 
 Result<CellObject> author_cell_object(const TriangleMesh& given, TileMap tile, const AuthorOptions& options,
@@ -202,10 +207,32 @@ Result<CellObject> author_cell_object(const TriangleMesh& given, TileMap tile, c
   out.inside_volume = inside_volume(object);
   if (volume < 0)
     out.warnings.push_back({"mesh-inside-out", "the mesh is oriented inward; it was taken as a solid"});
-  if (!found->has_cells)
-    out.warnings.push_back({"no-inside-cells",
-                            "no cell fits inside the mesh, so there is nothing to see; use "
-                            "more tiles, or a tile of more cells"});
+  if (!found->has_cells) out.warnings.push_back(nothing_inside());
+  return object;
+}
+
+Result<CellObject> author_cell_object(const SolidShape& shape, TileMap tile, const AuthorOptions& options,
+                                      AuthorReport* report, const Progress* progress) {
+  AuthorReport unused;
+  AuthorReport& out = report ? *report : unused;
+  out = {};
+  const Clock::time_point start = Clock::now();
+  const Box3 box = shape.box();
+  if (box.empty())
+    return Error{ErrorCode::kInvalidInput, "nothing is inside of it, so there is nothing to fill"};
+  const Result<GridLayout> grid = lay_grid(box, tile.resolution, options.grid);
+  if (!grid) return grid.error();
+  Result<MembershipMap> membership = compute_membership(
+      shape, *grid, tile, {.rule = options.rule, .threads = options.threads}, nullptr, progress);
+  if (!membership) return membership.error();
+  out.voxelize_seconds = seconds_since(start);
+
+  CellObject object;
+  object.grid = *grid;
+  object.tile = std::move(tile);
+  object.membership = std::move(*membership);
+  out.inside_volume = inside_volume(object);
+  if (count_instances(object.membership).inside == 0) out.warnings.push_back(nothing_inside());
   return object;
 }
 

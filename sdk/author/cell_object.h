@@ -14,6 +14,7 @@
 #include "sdk/core/triangle_mesh.h"
 #include "sdk/membership/diagnose.h"
 #include "sdk/membership/solid.h"
+#include "sdk/membership/solid_shape.h"
 
 namespace mesocell MESOCELL_API {
 
@@ -25,7 +26,7 @@ struct GridOptions {
   std::uint64_t max_tiles = 1u << 26;              ///< more tiles than this are refused (kLimit)
 };
 
-/// Lays the grid. Errors: kUsage, kInvalidInput (box of no size or of one too small for its coordinates),
+/// Lays the grid over the box of a mesh or of another shape. Errors: kUsage, kInvalidInput (box of no size or of one too small for its coordinates),
 /// kLimit.
 [[nodiscard]] Result<GridLayout> lay_grid(const Box3& mesh_box, const Index3& tile_resolution,
                                           const GridOptions& options);
@@ -54,6 +55,14 @@ struct AuthorReport {
 /// allow, and the report says how. Errors: those of repair_mesh(); kInvalidInput if the mesh has no extent or
 /// is open and has no cell inside; kUsage (a thickness with rule conservative or another solid than kNonzero); kLimit; kCancelled.
 [[nodiscard]] Result<CellObject> author_cell_object(const TriangleMesh& mesh, TileMap tile,
+                                                    const AuthorOptions& options,
+                                                    AuthorReport* report = nullptr,
+                                                    const Progress* progress = nullptr);
+
+/// Makes a cell object from a shape that is no mesh, without one in between; of the options, those of repair
+/// and `solid` mean nothing. Errors: kUsage (another rule than kCentre), kInvalidInput (nothing is inside of
+/// the shape), kLimit, kCancelled.
+[[nodiscard]] Result<CellObject> author_cell_object(const SolidShape& shape, TileMap tile,
                                                     const AuthorOptions& options,
                                                     AuthorReport* report = nullptr,
                                                     const Progress* progress = nullptr);

@@ -8,6 +8,7 @@
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
 #include "sdk/membership/solid.h"
+#include "sdk/membership/solid_shape.h"
 
 namespace mesocell MESOCELL_API {
 
@@ -34,6 +35,14 @@ struct MembershipReport {
 /// - `tiles`: of the grid; voxels beyond it count as not inside, so an instance that leaves it is never
 /// INSIDE Errors: kLimit, kCancelled.
 [[nodiscard]] Result<MembershipMap> compute_membership(const TriangleMesh& mesh, const Index3& tiles,
+                                                       const TileMap& tile,
+                                                       const MembershipOptions& options = {},
+                                                       MembershipReport* report = nullptr,
+                                                       const Progress* progress = nullptr);
+
+/// The same for a shape that is no mesh: a voxel is inside if its centre is. `grid` is in the shape's metres.
+/// Errors: kUsage (another rule than kCentre), kLimit, kCancelled.
+[[nodiscard]] Result<MembershipMap> compute_membership(const SolidShape& shape, const GridLayout& grid,
                                                        const TileMap& tile,
                                                        const MembershipOptions& options = {},
                                                        MembershipReport* report = nullptr,
