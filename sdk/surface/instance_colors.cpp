@@ -62,18 +62,9 @@ Rgb8 surface_color(const TriangleMesh& mesh, const SurfacePoint& at) {
   return linear_to_srgb8(sum);
 }
 
-}  // namespace
-
-Error mesh_without_colors() {
-  return {ErrorCode::kUsage,
-          "the mesh has no colors at its vertices to take over; paint them in a mesh editor and save it as "
-          "PLY, OBJ or COFF with colors, or choose another color"};
-}
-
-Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const TriangleMesh& mesh,
-                                               unsigned threads, const Progress* progress) {
-  if (mesh.colors.empty()) return mesh_without_colors();
-  assert(mesh.colors.size() == mesh.vertices.size());
+/// Colors of the INSIDE instances by their centres, in voxels of the grid.
+Result<std::vector<Rgb8>> color_centres(const CellObject& object, const std::function<Rgb8(Vec3)>& color_at,
+                                        unsigned threads, const Progress* progress) {
   const MembershipMap& membership = object.membership;
   const Index3& tiles = object.grid.tiles;
   const std::uint64_t tile_count = object.grid.tile_count();
@@ -88,23 +79,6 @@ Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const T
                                         " cells inside, too many for a color each; use fewer tiles or cells"};
   std::vector<Rgb8> colors(count);
   if (count == 0) return colors;
-
-  // In voxels, so that neither the size of the mesh nor its distance from the origin costs precision.
-  TriangleMesh voxel_mesh;
-  voxel_mesh.triangles = mesh.triangles;
-  voxel_mesh.vertices.reserve(mesh.vertices.size());
-  for (const Vec3& v : mesh.vertices)
-    voxel_mesh.vertices.push_back((v - to_vec3(object.grid.box_min)) / object.grid.voxel_edge);
-  const Box3 box = bounding_box(voxel_mesh);
-  for (std::size_t a = 0; a < 3; ++a)
-    if (!(box.min[a] > -kMaxVoxelCoordinate && box.max[a] < kMaxVoxelCoordinate && box.min[a] <= box.max[a]))
-      return Error{
-          ErrorCode::kInvalidInput,
-          "the mesh whose colors are wanted has no triangles, or reaches more than 2^40 voxels beyond "
-          "the grid; take the one that the object was made from"};
-  const ClosestPoint surface(voxel_mesh, threads);
-  voxel_mesh = {};
-
   const std::vector<Vec3> centres = cell_centres(object.tile);
   const bool done = parallel_for(
       first.size(), threads,
@@ -121,13 +95,53 @@ Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const T
           for (std::size_t a = 0; a < 3; ++a)
             corner[a] = double(std::uint64_t{at[a]} * object.tile.resolution[a]);
           for (std::uint32_t c = 1; c <= membership.cell_count; ++c)
-            if (membership.tag(t, c) == Tag::kInside)
-              colors[next++] = surface_color(mesh, surface.query(corner + centres[c]));
+            if (membership.tag(t, c) == Tag::kInside) colors[next++] = color_at(corner + centres[c]);
         }
       },
       progress, "colors");
   if (!done || (progress && progress->cancelled())) return Error{ErrorCode::kCancelled, "interrupted"};
   return colors;
+}
+
+}  // namespace
+
+Error mesh_without_colors() {
+  return {ErrorCode::kUsage,
+          "the mesh has no colors at its vertices to take over; paint them in a mesh editor and save it as "
+          "PLY, OBJ or COFF with colors, or choose another color"};
+}
+
+Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const TriangleMesh& mesh,
+                                               unsigned threads, const Progress* progress) {
+  if (mesh.colors.empty()) return mesh_without_colors();
+  assert(mesh.colors.size() == mesh.vertices.size());
+  if (count_instances(object.membership).inside == 0) return std::vector<Rgb8>();
+  // In voxels, so that neither the size of the mesh nor its distance from the origin costs precision.
+  TriangleMesh voxel_mesh;
+  voxel_mesh.triangles = mesh.triangles;
+  voxel_mesh.vertices.reserve(mesh.vertices.size());
+  for (const Vec3& v : mesh.vertices)
+    voxel_mesh.vertices.push_back((v - to_vec3(object.grid.box_min)) / object.grid.voxel_edge);
+  const Box3 box = bounding_box(voxel_mesh);
+  for (std::size_t a = 0; a < 3; ++a)
+    if (!(box.min[a] > -kMaxVoxelCoordinate && box.max[a] < kMaxVoxelCoordinate && box.min[a] <= box.max[a]))
+      return Error{
+          ErrorCode::kInvalidInput,
+          "the mesh whose colors are wanted has no triangles, or reaches more than 2^40 voxels beyond "
+          "the grid; take the one that the object was made from"};
+  const ClosestPoint surface(voxel_mesh, threads);
+  voxel_mesh = {};
+  return color_centres(
+      object, [&](Vec3 centre) { return surface_color(mesh, surface.query(centre)); }, threads, progress);
+}
+
+Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object,
+                                               const std::function<Rgb8(Vec3)>& color_at, unsigned threads,
+                                               const Progress* progress) {
+  const Vec3 corner = to_vec3(object.grid.box_min);
+  return color_centres(
+      object, [&](Vec3 centre) { return color_at(corner + centre * object.grid.voxel_edge); }, threads,
+      progress);
 }
 
 }  // namespace mesocell

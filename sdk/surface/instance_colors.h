@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "format/api.h"
@@ -7,6 +8,7 @@
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
+#include "sdk/core/vec.h"
 
 namespace mesocell MESOCELL_API {
 
@@ -21,6 +23,13 @@ namespace mesocell MESOCELL_API {
 /// kLimit (more instances than readers accept), kCancelled.
 [[nodiscard]] Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object,
                                                              const TriangleMesh& mesh, unsigned threads = 0,
+                                                             const Progress* progress = nullptr);
+
+/// The same from colors that are defined in space: each instance has the color at its centre. `color_at` is
+/// given a point in metres, from any thread. Errors: kLimit, kCancelled.
+[[nodiscard]] Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object,
+                                                             const std::function<Rgb8(Vec3)>& color_at,
+                                                             unsigned threads = 0,
                                                              const Progress* progress = nullptr);
 
 /// The error of a mesh whose colors are wanted but which has none.
