@@ -12,10 +12,12 @@
 #include "converters/cli/commands.h"
 #include "converters/cli/convert_plan.h"
 #include "converters/cli/exit_codes.h"
+#include "converters/cli/height_source.h"
 #include "converters/cli/stability.h"
 #include "converters/import/mesh_file.h"
 #include "converters/import/volume_file.h"
 #include "format/container_scan.h"
+#include "sdk/core/shapes.h"
 
 namespace mesocell {
 namespace {
@@ -38,12 +40,12 @@ void add_no_clobber(CLI::App& app, bool& no_clobber) {
 }
 
 void add_convert(CLI::App& app, ConvertCommand& command) {
-  CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a mesh, or from a tile alone");
+  CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a mesh, heights, a shape or a tile");
   // The parser gives all words to the first option that takes several, so the output is the last of them.
   sub->add_option(
          "input... output", command.inputs,
          std::string("Input: a mesh, ") + kMeshExtensions +
-             "; or tile:RECIPE, to keep and show a tile with each of its cells once; or .meso files, whose "
+             "; a picture, as heights; shape:NAME; or tile:RECIPE, to keep and show a tile with each of its cells once; or .meso files, whose "
              "assets are put into one file, FILE.meso#ASSET for one of them. Output: .meso")
       ->required()
       ->option_text("FILES");
@@ -58,6 +60,8 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->add_option("--tile", command.tile,
                   std::string("Recipe of the tile, or a .meso file to take it from [") + kDefaultTile + "]")
       ->type_name("RECIPE");
+  sub->add_option("--heights", command.heights, "How a picture is read as heights, see below")
+      ->type_name("KEY=VALUE,...");
   sub->add_option("--percolating", command.percolating,
                   "Imported cells that meet their own copy through the tile's border: cut or refuse [cut]")
       ->type_name("CHOICE");
@@ -107,7 +111,7 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
       "these that "
       "suffices. `mesocell info MESH` tells what is amiss with a mesh.\n\nRecipes of tiles:\n" +
       tile_sources_help() + "\nRecipes of colors:\n" + color_sources_help() + "\nVolumes: " + kVolumeAxes +
-      "\n" +
+      "\n\nHeights: " + heights_help() + "\nShapes:\n" + shapes_help() +
       "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
       "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n"
       "  mesocell convert tile:mesh:file=stones.obj,size=2 stones.meso --color stone\n"

@@ -22,7 +22,7 @@ struct ConvertCommand {
   std::optional<std::int64_t> tiles;
   std::optional<double> tile_size;
   std::string box;
-  std::optional<std::string> tile, rule, percolating, repair, solid;
+  std::optional<std::string> tile, rule, percolating, repair, solid, heights;
   std::optional<double> stitch, thicken, wrap_alpha, wrap_offset;  ///< metres
   std::optional<std::string> color;
   bool normals = false;

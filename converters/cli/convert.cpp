@@ -56,9 +56,9 @@ struct Outcome {
 
 /// Everything on the surface of the object; the metadata says what it was made of.
 std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertPlan& plan, SourcedTile& tile,
-                                   const TriangleMesh& surface, const AuthorReport& report,
+                                   const ShapeSource& shape, const AuthorReport& report,
                                    const Progress& progress, CellObject& object) {
-  object.metadata.clear();
+  object.metadata = shape.metadata();
   if (!tile.color_recipe.empty()) object.metadata.emplace_back("color", tile.color_recipe);
   if (report.repair.rung != RepairRung::kNone)
     object.metadata.emplace_back("repair", repair_text(report.repair));
@@ -66,7 +66,7 @@ std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertP
   object.metadata.emplace_back("tile", tile.recipe);
   object.metadata.insert(object.metadata.end(), plan.metadata.begin(), plan.metadata.end());
   std::sort(object.metadata.begin(), object.metadata.end());
-  if (Status status = apply_colors(std::move(tile.colors), surface, object, plan.author.threads, &progress);
+  if (Status status = apply_colors(std::move(tile.colors), shape.surface(), object, plan.author.threads, &progress);
       !status)
     return Failure{status.error(), command.input};
   object.normals = std::move(tile.normals);
@@ -85,7 +85,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
 
   watch.lap();
   std::unique_ptr<ShapeSource> shape;
-  if (auto failure = read_shape(command.input, progress, shape, warnings)) return failure;
+  if (auto failure = read_shape(command, progress, shape, warnings)) return failure;
   outcome.seconds.read = watch.lap();
 
   SourcedTile tile;
@@ -106,7 +106,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
   if (!object) return Failure{object.error(), command.input};
   outcome.seconds.voxelize = outcome.report.voxelize_seconds;
   watch.lap();
-  if (auto failure = add_surface(command, plan, tile, shape->surface(), outcome.report, progress, *object))
+  if (auto failure = add_surface(command, plan, tile, *shape, outcome.report, progress, *object))
     return failure;
   outcome.seconds.surface = outcome.report.surface_seconds + color_seconds + watch.lap();
   outcome.report.warnings.insert(outcome.report.warnings.begin(), warnings.begin(), warnings.end());

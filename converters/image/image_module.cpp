@@ -142,7 +142,7 @@ bool is_exact(const OIIO::ImageSpec& spec, std::string_view format) {
   // Read as floats, integers among the channels would be scaled.
   for (const OIIO::TypeDesc& type : spec.channelformats)
     if (!type.is_floating_point()) return false;
-  if (format != "openexr") return format != "hdr";
+  if (format != "openexr") return format != "hdr" && format != "jpeg";
   const std::string compression(spec.get_string_attribute("compression"));
   for (const char* lossless : {"none", "rle", "zip", "zips", "piz"})
     if (compression == lossless) return true;
@@ -170,6 +170,34 @@ bool widen(const std::vector<char>& from, uint32_t* to) {
     to[i] = uint32_t(value);
   }
   return true;
+}
+
+template <typename T>
+void to_floats(const std::vector<char>& from, float* to) {
+  for (std::size_t i = 0; i < from.size() / sizeof(T); ++i) {
+    T value;
+    std::memcpy(&value, from.data() + i * sizeof(T), sizeof(T));
+    to[i] = float(value);
+  }
+}
+
+/// Integers as floats of the same value: the library's own conversion scales them.
+void to_floats_as(OIIO::TypeDesc type, const std::vector<char>& from, float* to) {
+  using OIIO::TypeDesc;
+  switch (type.basetype) {
+    case TypeDesc::UINT8:
+      return to_floats<uint8_t>(from, to);
+    case TypeDesc::INT8:
+      return to_floats<int8_t>(from, to);
+    case TypeDesc::UINT16:
+      return to_floats<uint16_t>(from, to);
+    case TypeDesc::INT16:
+      return to_floats<int16_t>(from, to);
+    case TypeDesc::UINT32:
+      return to_floats<uint32_t>(from, to);
+    default:
+      return to_floats<int32_t>(from, to);
+  }
 }
 
 bool widen_as(OIIO::TypeDesc type, const std::vector<char>& from, uint32_t* to) {
@@ -215,6 +243,7 @@ MesocellReadStatus read_pages(const PagesRequest& request, std::string& error) {
   if (!tiles_fit(first, request.max_bytes)) return kMesocellReadRefused;
   const TypeDesc stored = first.format;
   const bool mixed = !first.channelformats.empty(), is_float = mixed || stored.is_floating_point();
+  const bool as_floats = request.reader->as_floats != 0;
   if (!is_float && stored.size() > sizeof(uint32_t)) return failed("its integers have more than 32 bits");
   if (input->seek_subimage(int(request.page_count), 0))
     return failed("it has more than " + std::to_string(request.page_count) + " pages or parts");
@@ -223,7 +252,7 @@ MesocellReadStatus read_pages(const PagesRequest& request, std::string& error) {
   const MesocellPagesHeader header{uint32_t(first.width),
                                    uint32_t(first.height),
                                    uint32_t(first.nchannels),
-                                   is_float ? kMesocellSampleFloat : kMesocellSampleUint,
+                                   is_float || as_floats ? kMesocellSampleFloat : kMesocellSampleUint,
                                    is_float ? 0u : uint32_t(8 * stored.size()) - uint32_t(stored.is_signed()),
                                    is_srgb(first) ? 1u : 0u,
                                    is_exact(first, request.format) ? 1u : 0u,
@@ -245,7 +274,9 @@ MesocellReadStatus read_pages(const PagesRequest& request, std::string& error) {
       return page_failed(input->geterror());
     if (is_float && !mixed && !convert_types(stored, native.data(), TypeDesc::FLOAT, room, int(samples)))
       return page_failed("its kind of floats is not known");
-    if (!is_float && !widen_as(stored, native, static_cast<uint32_t*>(room)))
+    if (!is_float && as_floats)
+      to_floats_as(stored, native, static_cast<float*>(room));
+    else if (!is_float && !widen_as(stored, native, static_cast<uint32_t*>(room)))
       return page_failed("a value is negative");
     if (request.reader->take(request.reader->context, page) != 0) return kMesocellReadRefused;
   }

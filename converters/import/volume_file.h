@@ -20,7 +20,7 @@ struct VolumeReadOptions {
 
 /// What volumes are read from, for messages and help texts.
 inline constexpr const char* kVolumeSources =
-    "a folder of pictures (.png, .tif, .tiff, .exr, .hdr), each a slice; a TIFF, each page a slice; or a "
+    "a folder of pictures (.png, .tif, .tiff, .exr, .hdr, .jpg), each a slice; a TIFF, each page a slice; or a "
     ".raw file "
     "with its resolution";
 /// How a volume's axes lie, for help texts.

@@ -47,12 +47,6 @@ void make_outward(TriangleMesh& mesh) {
 
 }  // namespace
 
-double portable_sine(double angle) {
-  if (angle > std::numbers::pi) angle -= 2 * std::numbers::pi;
-  if (angle < -std::numbers::pi) angle += 2 * std::numbers::pi;
-  return sin_cos_series(angle).sin;
-}
-
 TriangleMesh make_cylinder(double lower_radius, double upper_radius, double height, std::uint32_t around) {
   TriangleMesh mesh;
   const bool cone = upper_radius == 0;

@@ -25,9 +25,6 @@ namespace mesocell MESOCELL_API {
 [[nodiscard]] TriangleMesh make_cylinder(double lower_radius, double upper_radius, double height,
                                          std::uint32_t around);
 
-/// The sine of an angle in [-2π, 2π], radians, the same on every machine, to 1e-15.
-[[nodiscard]] double portable_sine(double angle);
-
 /// The second mesh beside the first.
 void append(TriangleMesh& mesh, const TriangleMesh& other);
 /// Turns a mesh inside out.

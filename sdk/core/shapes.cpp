@@ -7,6 +7,7 @@
 #include <map>
 
 #include "format/result.h"
+#include "sdk/core/portable_math.h"
 #include "sdk/core/primitives.h"
 
 namespace mesocell {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string>
 
-#include "sdk/core/primitives.h"
 #include "sdk/core/shapes.h"
 #include "sdk/membership/diagnose.h"
 #include "tests/support/catch.h"
@@ -67,13 +66,6 @@ TEST_CASE("a recipe of a shape says how large and how fine it is") {
   CHECK(diagnose(*fine).closed());
   for (const char* text : {"dodo", "sphere:size=0", "sphere:detail=17", "torus:hole=1"})
     CHECK(make_shape(*parse_recipe(text)).error().code == ErrorCode::kUsage);
-}
-
-TEST_CASE("sines are right to the last digits") {
-  for (int k = -1000; k <= 1000; ++k) {
-    const double x = 6.28 * k / 1000;
-    CHECK(std::abs(portable_sine(x) - std::sin(x)) < 1e-15);
-  }
 }
 
 TEST_CASE("every shape goes with every tile, in a grid that is the cube") {
