@@ -52,7 +52,8 @@ Result<HeightSamples> read_height_file(const std::string& path, const HeightRead
     out.channel = header.channels[channel];
     out.width = header.width;
     out.depth = header.height;
-    out.exact = header.exact;
+    // The 8 bits of an .hdr are how it stores floats, and are read as they are.
+    out.exact = header.exact || out.format == "hdr";
     if (header.bits > 0) out.full = float(std::ldexp(1.0, int(header.bits)) - 1);
     out.samples.resize(std::size_t(pixels));
     return {};

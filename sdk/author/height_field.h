@@ -16,7 +16,7 @@ namespace mesocell MESOCELL_API {
 /// samples heights are bilinear, and beyond the outermost ones, half a spacing wide, they stay.
 struct HeightField {
   std::uint32_t width = 0, depth = 0;  ///< samples along x and z
-  std::vector<float> samples;          ///< width × depth, a row along x after the other; NaN: there is none
+  std::vector<float> samples = {};     ///< width × depth, a row along x after the other; NaN: there is none
   double spacing = 0;                  ///< metres between samples, above 0
   double scale = 1, zero = 0;          ///< the height of a sample s is scale · (s - zero) metres
   double floor = 0;                    ///< metres; the ground is solid from there up to its height
@@ -75,7 +75,9 @@ class HeightBlock final : public SolidShape {
 struct HeightTileOptions {
   Index3 resolution{64, 32, 64};  ///< voxels; y is up
   double gap = 0;                 ///< columns whose height is below it are empty, 0 to 1
-  double low = 0, high = 1;       ///< heights of the tile's bottom and top as shares of the samples' range
+  /// Heights of the tile's bottom and top, 0 the lowest sample, 1 the highest. Above it there must be room,
+  /// or the layer meets the next one.
+  double low = 0, high = 1.25;
 };
 
 /// A layer of cells that tiles: voxels below the height are label 1, so that make_label_tile() makes a cell
