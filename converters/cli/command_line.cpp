@@ -12,6 +12,7 @@
 #include "converters/cli/commands.h"
 #include "converters/cli/convert_plan.h"
 #include "converters/cli/exit_codes.h"
+#include "converters/cli/export.h"
 #include "converters/cli/height_source.h"
 #include "converters/cli/stability.h"
 #include "converters/import/mesh_file.h"
@@ -42,11 +43,12 @@ void add_no_clobber(CLI::App& app, bool& no_clobber) {
 void add_convert(CLI::App& app, ConvertCommand& command) {
   CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a mesh, heights, a shape or a tile");
   // The parser gives all words to the first option that takes several, so the output is the last of them.
-  sub->add_option(
-         "input... output", command.inputs,
-         std::string("Input: a mesh, ") + kMeshExtensions +
-             "; a picture, as heights; shape:NAME; or tile:RECIPE, to keep and show a tile with each of its cells once; or .meso files, whose "
-             "assets are put into one file, FILE.meso#ASSET for one of them. Output: .meso")
+  sub->add_option("input... output", command.inputs,
+                  std::string("Input: a mesh, ") + kMeshExtensions +
+                      "; a picture, as heights; shape:NAME; or tile:RECIPE, to keep and show a tile with "
+                      "each of its cells once; or .meso files, whose "
+                      "assets are put into one file, FILE.meso#ASSET for one of them. Output: .meso; of an "
+                      "asset also other formats, see below")
       ->required()
       ->option_text("FILES");
   CLI::Option* tiles =
@@ -96,6 +98,12 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
       ->type_name("CODEC");
   sub->add_option("--target-version", command.target_version, "Version of the format to write: 1.0 [1.0]")
       ->type_name("VERSION");
+  sub->add_option("--as", command.as,
+                  "What an asset becomes where its output's extension leaves a choice, see below")
+      ->type_name("KIND");
+  sub->add_option("--side", command.side, "Of a map of heights: -x, +x, -y, +y, -z or +z [+y]")
+      ->type_name("SIDE");
+  sub->add_option("--size", command.size, "Of a map of heights: its pixels [one a voxel]")->type_name("WxH");
   add_no_clobber(*sub, command.no_clobber);
   add_common(*sub, command.common);
   sub->footer(
@@ -111,7 +119,8 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
       "these that "
       "suffices. `mesocell info MESH` tells what is amiss with a mesh.\n\nRecipes of tiles:\n" +
       tile_sources_help() + "\nRecipes of colors:\n" + color_sources_help() + "\nVolumes: " + kVolumeAxes +
-      "\n\nHeights: " + heights_help() + "\nShapes:\n" + shapes_help() +
+      "\n\nHeights: " + heights_help() + "\nShapes:\n" + shapes_help() + "\nWhat an asset can become:\n" +
+      exports_help() +
       "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
       "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n"
       "  mesocell convert tile:mesh:file=stones.obj,size=2 stones.meso --color stone\n"
@@ -347,7 +356,8 @@ void add_chart(CLI::App& app, ChartCommand& command) {
 
 void add_bench(CLI::App& app, BenchCommand& command) {
   CLI::App* sub = app.add_subcommand("bench", "Measure speed, memory and errors of methods of tracing");
-  sub->add_option("--set", command.set, "What to measure: quick, default or full [default]")->type_name("SET");
+  sub->add_option("--set", command.set, "What to measure: quick, default or full [default]")
+      ->type_name("SET");
   const auto words = [&](const char* name, std::optional<std::string>& value, const char* help) {
     sub->add_option(name, value, help)->type_name("NAME,...");
   };
@@ -355,10 +365,12 @@ void add_bench(CLI::App& app, BenchCommand& command) {
   words("--cameras", command.cameras, "Where they are seen from: full, cover90, close, grazing, inside");
   words("--rays", command.rays, "Kinds of rays: primary, diffuse, reflection, shadow");
   words("--methods", command.methods, "Methods, such as exact,linear:1/512,embree-instanced");
-  sub->add_option("--input", command.input, "A .meso file to measure on, instead of scenes")->type_name("FILE");
+  sub->add_option("--input", command.input, "A .meso file to measure on, instead of scenes")
+      ->type_name("FILE");
   sub->add_option("--threads", command.threads, "Numbers of threads, each is measured, 0 for all [0]")
       ->type_name("N,...");
-  sub->add_option("--size", command.size, "Size in pixels, each from 1 to 16384 [1024x768]")->type_name("WxH");
+  sub->add_option("--size", command.size, "Size in pixels, each from 1 to 16384 [1024x768]")
+      ->type_name("WxH");
   sub->add_option("--repeat", command.repeat, "Passes that are timed, the median is told, 1 to 99 [3]")
       ->type_name("N")
       ->check(CLI::Range(1u, 99u).description(""));

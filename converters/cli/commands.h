@@ -26,6 +26,10 @@ struct ConvertCommand {
   std::optional<double> stitch, thicken, wrap_alpha, wrap_offset;  ///< metres
   std::optional<std::string> color;
   bool normals = false;
+  // Of assets to other formats.
+  std::optional<std::string> as, region, side, size;
+  std::optional<std::uint64_t> max_faces;
+  bool draco = false, drop_buried = false;
   bool no_clobber = false;
 };
 [[nodiscard]] int run_convert(const ConvertCommand& command);

@@ -10,6 +10,7 @@
 #include "converters/cli/color_source.h"
 #include "converters/cli/commands.h"
 #include "converters/cli/convert_plan.h"
+#include "converters/cli/export.h"
 #include "converters/cli/progress_bar.h"
 #include "converters/cli/repack.h"
 #include "converters/cli/repair_report.h"
@@ -178,6 +179,7 @@ std::string outcome_text(const Outcome& outcome, const std::string& output) {
 }  // namespace
 
 int run_convert(const ConvertCommand& command) {
+  if (is_export(command)) return run_export(command);
   const Console console(command.common);
   ProgressBar bar(!console.quiet());
   Outcome outcome;

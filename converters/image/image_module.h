@@ -11,12 +11,17 @@ extern "C" {
 enum MesocellPixelType : uint32_t {
   kMesocellPixelUint8 = 0,  ///< sRGB, alpha unassociated
   kMesocellPixelFloat = 1,  ///< linear
+  // Numbers that are no colors, as they are.
+  kMesocellPixelData8 = 2,
+  kMesocellPixelData16 = 3,
+  kMesocellPixelData32 = 4,
 };
 
-/// A picture to be encoded: rows from the top, channels interleaved.
+/// A picture to be encoded: rows from the top, channels interleaved, page after page.
 struct MesocellImage {
-  const char* format;  ///< "png" or "openexr"
+  const char* format;  ///< "png" (8 and 16 bits), "openexr" (floats) or "tiff"
   uint32_t width, height, channel_count;
+  uint32_t page_count;  ///< 1 in a PNG; parts of an OpenEXR file are named 0, 1, …
   MesocellPixelType type;
   const char* const* channel_names;
   const void* pixels;
