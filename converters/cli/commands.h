@@ -30,6 +30,11 @@ struct ConvertCommand {
   std::optional<std::string> as, region, side, size;
   std::optional<std::uint64_t> max_faces;
   bool draco = false, drop_buried = false;
+  // Of batches.
+  std::optional<std::string> to;
+  std::optional<unsigned> jobs;
+  bool keep_going = false, force = false;
+  std::vector<std::string> file_options;  ///< words of the options that each file is converted with
   bool no_clobber = false;
 };
 [[nodiscard]] int run_convert(const ConvertCommand& command);

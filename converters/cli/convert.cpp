@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "converters/cli/batch.h"
+#include "converters/cli/batch_plan.h"
 #include "converters/cli/color_source.h"
 #include "converters/cli/commands.h"
 #include "converters/cli/convert_plan.h"
@@ -179,6 +181,7 @@ std::string outcome_text(const Outcome& outcome, const std::string& output) {
 }  // namespace
 
 int run_convert(const ConvertCommand& command) {
+  if (is_batch(command)) return run_batch(command);
   if (is_export(command)) return run_export(command);
   const Console console(command.common);
   ProgressBar bar(!console.quiet());
