@@ -48,13 +48,13 @@ Status check_height_field(const HeightField& field) {
     return invalid("there are no heights in it");
   if (!(field.spacing > 0 && std::isfinite(field.spacing * std::max(field.width, field.depth))))
     return Error{ErrorCode::kUsage, "the distance between heights is not a number of metres above 0"};
-  if (!std::isfinite(field.scale) || !std::isfinite(field.zero) || !std::isfinite(field.floor))
-    return Error{ErrorCode::kUsage, "scale, zero and floor of the heights must be finite"};
   const HeightRange range = height_range(field);
   if (range.missing == field.samples.size())
     return invalid("all its heights are missing (not a number, or the no-data value)");
   if (!std::isfinite(range.low) || !std::isfinite(range.high))
     return invalid("a height in it is infinite; repair the file, or name that value as no data");
+  if (!std::isfinite(field.scale) || !std::isfinite(field.zero) || !std::isfinite(field.floor))
+    return Error{ErrorCode::kUsage, "scale, zero and floor of the heights must be finite"};
   if (!std::isfinite(field.height(range.low)) || !std::isfinite(field.height(range.high)))
     return Error{ErrorCode::kUsage, "its heights are beyond double precision; use a smaller scale"};
   return {};
