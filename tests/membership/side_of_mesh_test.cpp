@@ -18,7 +18,7 @@
 #include "tests/support/shapes.h"
 
 /// Points against CGAL's Side_of_triangle_mesh, with exact constructions: another algorithm by other people.
-/// This program is the only one of the project that uses CGAL's packages under the GPL for a test.
+/// A program of its own, for that package is under the GPL.
 
 using namespace mesocell;
 using namespace mesocell::test;

@@ -40,19 +40,20 @@ struct Folder {
   std::string_view may_include;  ///< folders, each followed by a blank
 };
 
-constexpr std::array<Folder, 17> kFolders = {{
+constexpr std::array<Folder, 18> kFolders = {{
     {"format/loader/", ""},
     {"format/", ""},
     {"sdk/core/", "format/ "},
     {"sdk/tiles/", "format/ sdk/core/ "},
     {"sdk/membership/", "format/ sdk/core/ sdk/tiles/ "},
-    {"sdk/surface/", "format/ sdk/core/ sdk/tiles/ sdk/membership/ "},
+    {"sdk/surface/", "format/ sdk/core/ sdk/tiles/ sdk/membership/ sdk/trace/ "},
     {"sdk/author/", "format/ sdk/core/ sdk/tiles/ sdk/membership/ sdk/surface/ "},
     {"sdk/wrap/", "format/ sdk/core/ "},
     {"sdk/trace/", "format/ sdk/core/ "},
     {"sdk/shade/", "format/ sdk/core/ sdk/trace/ "},
     {"sdk/measure/", "format/ sdk/core/ sdk/trace/ "},
     {"converters/image/", "format/ sdk/ "},
+    {"converters/export/", "format/ sdk/ converters/image/ "},
     {"converters/import/", "format/ sdk/ converters/image/ "},
     {"converters/stability/", "format/ sdk/ converters/image/ "},
     {"converters/bench/", "format/ sdk/ converters/image/ converters/stability/ "},
@@ -66,7 +67,7 @@ struct ThirdParty {
   std::string_view where;
 };
 
-constexpr std::array<ThirdParty, 13> kThirdParties = {{
+constexpr std::array<ThirdParty, 14> kThirdParties = {{
     {"hwy/", "sdk/trace/packets.cpp sdk/trace/packet_ "},
     {"CGAL/", "sdk/membership/ sdk/wrap/ "},
     {"OpenMesh/", "converters/import/openmesh_reader.cpp "},
@@ -76,7 +77,8 @@ constexpr std::array<ThirdParty, 13> kThirdParties = {{
     {"embree3/", "converters/bench/peers/embree_module.cpp "},
     {"tbb/", "converters/stability/methods/openvdb_module.cpp "},
     {"CLI/", "converters/cli/command_line.cpp "},
-    {"nlohmann/", "converters/cli/ "},
+    {"draco/", "converters/export/draco_ "},
+    {"nlohmann/", "converters/cli/ converters/export/gltf_writer.cpp "},
     {"zstd", "format/ "},
     {"xxhash", "format/ "},
     {"boost/", "sdk/membership/ "},

@@ -7,7 +7,6 @@
 
 #include "format/cell_object.h"
 #include "format/result.h"
-#include "sdk/trace/inside_pieces.h"
 
 namespace mesocell {
 
@@ -30,7 +29,8 @@ class PackedFace {
   std::uint64_t bits_;
 };
 
-/// The faces between voxels of a set and others, a square each; corners are whole voxels and shared.
+/// The faces between voxels of a set and others, a square each; corners are whole voxels, shared as
+/// ExplicitSurface has them.
 struct FaceMesh {
   std::vector<float> corners;        ///< three a corner, voxels
   std::vector<std::uint32_t> quads;  ///< four corners a square, around it
