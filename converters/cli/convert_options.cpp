@@ -64,7 +64,8 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
          "Radius of the ball that a wrap lets in nowhere [a twentieth of the diagonal]");
   metres("--wrap-offset", command.wrap_offset, "How far off the surface a wrap is [a thirtieth of alpha]");
   sub->add_option("--color", command.color, "Recipe of the color; white if not given")->type_name("RECIPE");
-  sub->add_flag("--normals", command.normals, "Store smooth normals at the borders of the cells");
+  sub->add_flag("--normals", command.normals,
+                "Store smooth normals at the borders of the cells; of an export, write normals");
   sub->add_option("--meta", command.meta, "Free text to keep in the file; may be repeated")
       ->type_name("KEY=VALUE")
       ->expected(1)
@@ -78,6 +79,15 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->add_option("--as", command.as,
                   "What an asset becomes where its output's extension leaves a choice, see below")
       ->type_name("KIND");
+  sub->add_option("--region", command.region,
+                  "Of a surface: its tiles, from the first up to one beyond the last [all]")
+      ->type_name("I0,J0,K0,I1,J1,K1");
+  sub->add_option("--max-faces", command.max_faces,
+                  "Of a surface: more faces of voxels are refused [20000000]")
+      ->type_name("N");
+  sub->add_flag("--draco", command.draco, "Compress the meshes of a .glb");
+  sub->add_flag("--drop-buried", command.drop_buried,
+                "Of instances: leave out those that nothing can be seen of");
   sub->add_option("--side", command.side, "Of a map of heights: -x, +x, -y, +y, -z or +z [+y]")
       ->type_name("SIDE");
   sub->add_option("--size", command.size, "Of a map of heights: its pixels [one a voxel]")->type_name("WxH");
