@@ -10,6 +10,7 @@
 
 #include "converters/image/extension.h"
 #include "converters/image/input_file.h"
+#include "converters/import/dds_pages.h"
 #include "converters/import/picture_file.h"
 #include "converters/import/slice_stack.h"
 #include "converters/import/volume_slices.h"
@@ -75,10 +76,11 @@ struct Reading {
   }
 };
 
-/// Reads all pages of a picture, each a slice.
-Status read_picture(const std::string& path, const PictureFile& picture, Reading& reading) {
+/// Makes voxels of pages, each a slice; the reading lasts longer.
+PageSink make_sink(Reading& reading, std::uint32_t stored_bits) {
   PageSink sink;
-  sink.begin = [&](const PageHeader& header) -> Status {
+  sink.as_floats = reading.slices.as_floats();
+  sink.begin = [&reading, stored_bits](const PageHeader& header) -> Status {
     if (header.channels.size() > kMaxChannels)
       return Error{ErrorCode::kLimit,
                    "it has " + std::to_string(header.channels.size()) + " channels; save it as gray or RGB"};
@@ -89,13 +91,34 @@ Status read_picture(const std::string& path, const PictureFile& picture, Reading
                      " pixels, the first slice " + std::to_string(reading.resolution[0]) + " x " +
                      std::to_string(reading.resolution[1]) + "; all must have the same size");
     }
-    return reading.slices.check(header, picture.stored_bits);
+    return reading.slices.check(header, stored_bits);
   };
-  sink.take = [&](std::uint32_t, PageSamples samples) -> Status {
+  sink.take = [&reading](std::uint32_t, PageSamples samples) -> Status {
     if (Status status = reading.next(); !status) return status;
     return reading.slices.append(samples);
   };
-  return read_pages(path, picture.format, picture.pages, sink);
+  return sink;
+}
+
+/// Reads all pages of a picture.
+Status read_picture(const std::string& path, const PictureFile& picture, Reading& reading) {
+  return read_pages(path, picture.format, picture.pages, make_sink(reading, picture.stored_bits));
+}
+
+/// The first bytes of a file, as many as there are.
+std::string head_of(const std::string& path, std::size_t count) {
+  const Result<InputFile> file = InputFile::open(path, UINT64_MAX);
+  if (!file) return {};
+  std::string head(std::size_t(std::min<std::uint64_t>(file->size(), count)), 0);
+  if (!file->read_at(0, std::as_writable_bytes(std::span(head)))) return {};
+  return head;
+}
+
+Status read_dds(const std::string& path, const std::string& head, Reading& reading) {
+  const Result<DdsLayout> layout = parse_dds_header(head);
+  if (!layout) return layout.error();
+  reading.resolution[2] = layout->depth;
+  return read_dds_pages(path, reading.options.max_file_bytes, make_sink(reading, 8));
 }
 
 Status read_stack(const std::string& folder, Reading& reading) {
@@ -160,6 +183,7 @@ Status read_raw(const std::string& path, Reading& reading, std::span<const std::
 Status read_pictures(const std::string& path, Reading& reading) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return read_stack(path, reading);
+  if (const std::string head = head_of(path, 128); is_dds(head)) return read_dds(path, head, reading);
   const Result<PictureFile> picture = examine_picture(path, limits(reading.options));
   if (!picture) return in_volume(picture.error());
   reading.resolution[2] = picture->pages;
@@ -206,6 +230,32 @@ Result<ColorMap> read_color_volume(const std::string& path, const VolumeReadOpti
       is_raw_volume(path) ? read_raw(path, reading, sizes_of_colors, append) : read_pictures(path, reading);
   if (!status) return status.error();
   return std::move(slices.map);
+}
+
+Result<ScalarVolume> read_scalar_volume(const std::string& path, const VolumeReadOptions& options,
+                                        const Progress* progress) {
+  ScalarSlices slices;
+  Reading reading{options, progress, slices};
+  const auto append = [&](std::span<const std::byte> bytes, std::uint32_t size) {
+    for (std::size_t i = 0; i < bytes.size(); i += size) {
+      std::uint32_t value = 0;
+      for (std::uint32_t k = 0; k < size; ++k) value |= std::uint32_t(bytes[i + k]) << (8 * k);
+      slices.values.push_back(size == 4 ? float_sample(value) : float(value));
+    }
+  };
+  constexpr std::array<std::uint32_t, 3> sizes_of_numbers = {1, 2, 4};
+  Status status =
+      is_raw_volume(path) ? read_raw(path, reading, sizes_of_numbers, append) : read_pictures(path, reading);
+  if (!status) return status.error();
+  return ScalarVolume{slices.resolution, std::move(slices.values)};
+}
+
+bool is_slice_stack(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return true;
+  if (is_dds(head_of(path, 128))) return true;
+  const Result<PictureFile> picture = examine_picture(path, limits({}));
+  return picture && picture->pages > 1;
 }
 
 }  // namespace mesocell
