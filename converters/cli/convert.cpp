@@ -56,8 +56,7 @@ struct Outcome {
 
 /// Everything on the surface of the object; the metadata says what it was made of.
 std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertPlan& plan, SourcedTile& tile,
-                                   const TriangleMesh& surface, const AuthorReport& report,
-                                   const Progress& progress, CellObject& object) {
+                                   const AuthorReport& report, const Progress& progress, CellObject& object) {
   object.metadata.clear();
   if (!tile.color_recipe.empty()) object.metadata.emplace_back("color", tile.color_recipe);
   if (report.repair.rung != RepairRung::kNone)
@@ -66,7 +65,7 @@ std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertP
   object.metadata.emplace_back("tile", tile.recipe);
   object.metadata.insert(object.metadata.end(), plan.metadata.begin(), plan.metadata.end());
   std::sort(object.metadata.begin(), object.metadata.end());
-  if (Status status = apply_colors(std::move(tile.colors), surface, object, plan.author.threads, &progress);
+  if (Status status = apply_colors(std::move(tile.colors), object, plan.author.threads, &progress);
       !status)
     return Failure{status.error(), command.input};
   object.normals = std::move(tile.normals);
@@ -95,8 +94,8 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
 
   // Before the longest part of the work, as the recipe may be wrong.
   if (plan.color) {
-    if (auto failure = make_sourced_colors(*plan.color, tile.tile.cell_count, shape->surface(), progress,
-                                           tile.colors, warnings))
+    if (auto failure = make_sourced_colors(*plan.color, tile.tile.cell_count, *shape, progress, tile.colors,
+                                           warnings))
       return failure;
     tile.color_recipe = to_text(without_folders(*plan.color));
   }
@@ -106,7 +105,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
   if (!object) return Failure{object.error(), command.input};
   outcome.seconds.voxelize = outcome.report.voxelize_seconds;
   watch.lap();
-  if (auto failure = add_surface(command, plan, tile, shape->surface(), outcome.report, progress, *object))
+  if (auto failure = add_surface(command, plan, tile, outcome.report, progress, *object))
     return failure;
   outcome.seconds.surface = outcome.report.surface_seconds + color_seconds + watch.lap();
   outcome.report.warnings.insert(outcome.report.warnings.begin(), warnings.begin(), warnings.end());

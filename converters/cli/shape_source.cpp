@@ -5,6 +5,7 @@
 
 #include "converters/import/mesh_file.h"
 #include "sdk/author/tile_sample.h"
+#include "sdk/surface/instance_colors.h"
 
 namespace mesocell {
 namespace {
@@ -20,9 +21,18 @@ class MeshShape final : public ShapeSource {
     return author_cell_object(mesh_, std::move(tile), options, &report, &progress);
   }
   [[nodiscard]] const TriangleMesh& surface() const override { return mesh_; }
+  [[nodiscard]] Status check_colors() const override {
+    if (mesh_.colors.empty() && paint_.empty()) return mesh_without_colors();
+    return {};
+  }
+  [[nodiscard]] Result<std::vector<Rgb8>> instance_colors(const CellObject& object, unsigned threads,
+                                                          const Progress* progress) const override {
+    return make_instance_colors(object, mesh_, paint_, threads, progress);
+  }
 
  private:
   TriangleMesh mesh_;
+  SurfacePaint paint_;
 };
 
 /// The cells of a tile themselves.
@@ -33,12 +43,17 @@ class TileShape final : public ShapeSource {
     return make_tile_sample(std::move(tile));
   }
   [[nodiscard]] const TriangleMesh& surface() const override { return none_; }
+  [[nodiscard]] Status check_colors() const override { return mesh_without_colors(); }
 
  private:
   TriangleMesh none_;
 };
 
 }  // namespace
+
+Result<std::vector<Rgb8>> ShapeSource::instance_colors(const CellObject&, unsigned, const Progress*) const {
+  return mesh_without_colors();
+}
 
 std::optional<std::string> tile_of_input(const std::string& input) {
   if (!input.starts_with(kTilePrefix)) return std::nullopt;

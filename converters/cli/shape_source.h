@@ -22,6 +22,12 @@ class ShapeSource {
                                                 AuthorReport& report, const Progress& progress) const = 0;
   /// The surface of the shape, metres; no triangles if it has none but the cells'.
   [[nodiscard]] virtual const TriangleMesh& surface() const = 0;
+  /// Whether instance_colors() is in vain, as far as can be told before the work. Errors: kUsage.
+  [[nodiscard]] virtual Status check_colors() const { return {}; }
+  /// The shape's own colors of the INSIDE instances of an object that it filled, in the order of
+  /// CellObject::instance_colors. Errors: kUsage (it has no colors), those of make_instance_colors().
+  [[nodiscard]] virtual Result<std::vector<Rgb8>> instance_colors(const CellObject& object, unsigned threads,
+                                                                  const Progress* progress) const;
 };
 
 /// The tile that an input shows alone, as for --tile; none if the input is a shape to be filled.
