@@ -15,7 +15,8 @@ constexpr std::string_view kTilePrefix = "tile:";
 /// A closed mesh, filled with tiles.
 class MeshShape final : public ShapeSource {
  public:
-  explicit MeshShape(TriangleMesh mesh) : mesh_(std::move(mesh)) {}
+  explicit MeshShape(PaintedMesh painted)
+      : mesh_(std::move(painted.mesh)), paint_(std::move(painted.paint)) {}
   [[nodiscard]] Result<CellObject> fill(TileMap tile, const AuthorOptions& options, AuthorReport& report,
                                         const Progress& progress) const override {
     return author_cell_object(mesh_, std::move(tile), options, &report, &progress);
@@ -67,12 +68,14 @@ std::optional<Failure> read_shape(const std::string& input, const Progress& prog
     return std::nullopt;
   }
   MeshReadReport report;
-  Result<TriangleMesh> mesh = read_mesh_file(input, {}, &report, &progress);
+  Result<PaintedMesh> mesh = read_painted_mesh(input, {}, &report, &progress);
   if (!mesh) return Failure{mesh.error(), input};
   if (report.dropped_faces > 0)
     warnings.push_back(
         {"faces-dropped", std::to_string(report.dropped_faces) +
                               " triangles with two equal corners were left out; they enclose nothing"});
+  for (MeshWarning& warning : report.warnings)
+    warnings.push_back({std::move(warning.id), std::move(warning.text)});
   shape = std::make_unique<MeshShape>(std::move(*mesh));
   return std::nullopt;
 }
