@@ -69,8 +69,7 @@ std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertP
   object.metadata.emplace_back("tile", tile.recipe);
   object.metadata.insert(object.metadata.end(), plan.metadata.begin(), plan.metadata.end());
   std::sort(object.metadata.begin(), object.metadata.end());
-  if (Status status = apply_colors(std::move(tile.colors), shape.surface(), object, plan.author.threads, &progress);
-      !status)
+  if (Status status = apply_colors(std::move(tile.colors), object, plan.author.threads, &progress); !status)
     return Failure{status.error(), command.input};
   object.normals = std::move(tile.normals);
   if (!command.normals || object.normals) return std::nullopt;
@@ -98,8 +97,8 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
 
   // Before the longest part of the work, as the recipe may be wrong.
   if (plan.color) {
-    if (auto failure = make_sourced_colors(*plan.color, tile.tile.cell_count, shape->surface(), progress,
-                                           tile.colors, warnings))
+    if (auto failure =
+            make_sourced_colors(*plan.color, tile.tile.cell_count, *shape, progress, tile.colors, warnings))
       return failure;
     tile.color_recipe = to_text(without_folders(*plan.color));
   }

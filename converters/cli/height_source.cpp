@@ -11,6 +11,7 @@
 #include "sdk/author/height_field.h"
 #include "sdk/core/portable_math.h"
 #include "sdk/core/recipe.h"
+#include "sdk/surface/instance_colors.h"
 
 namespace mesocell {
 namespace {
@@ -40,28 +41,12 @@ class HeightShape final : public ShapeSource {
   }
   [[nodiscard]] const TriangleMesh& surface() const override { return none_; }
   [[nodiscard]] Metadata metadata() const override { return {{"heights", text_}}; }
+  [[nodiscard]] Status check_colors() const override { return mesh_without_colors(); }
 
  private:
   HeightBlock block_;
   std::string text_;
   TriangleMesh none_;
-};
-
-/// The ground as the top of a closed mesh.
-class HeightMeshShape final : public ShapeSource {
- public:
-  HeightMeshShape(TriangleMesh mesh, std::string text)
-      : mesh_(make_mesh_shape(std::move(mesh))), text_(std::move(text)) {}
-  [[nodiscard]] Result<CellObject> fill(TileMap tile, const AuthorOptions& options, AuthorReport& report,
-                                        const Progress& progress) const override {
-    return mesh_->fill(std::move(tile), options, report, progress);
-  }
-  [[nodiscard]] const TriangleMesh& surface() const override { return mesh_->surface(); }
-  [[nodiscard]] Metadata metadata() const override { return {{"heights", text_}}; }
-
- private:
-  std::unique_ptr<ShapeSource> mesh_;
-  std::string text_;
 };
 
 /// The field in metres, with all that the plan leaves open filled in.
@@ -174,7 +159,7 @@ std::optional<Failure> read_heights(const std::string& input, const HeightPlan& 
   }
   Result<TriangleMesh> mesh = make_height_mesh(*field);
   if (!mesh) return Failure{mesh.error(), input};
-  shape = std::make_unique<HeightMeshShape>(std::move(*mesh), std::move(text));
+  shape = make_mesh_shape(std::move(*mesh), {{"heights", std::move(text)}});
   return std::nullopt;
 }
 

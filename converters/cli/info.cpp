@@ -57,11 +57,12 @@ std::string file_text(nlohmann::ordered_json info) {
 int tell_mesh(const InfoCommand& command, const Console& console) {
   ProgressBar bar(!console.quiet());
   MeshReadReport report;
-  const Result<TriangleMesh> mesh = read_mesh_file(command.input, {}, &report, &bar.progress());
-  if (!mesh) {
+  const Result<PaintedMesh> painted = read_painted_mesh(command.input, {}, &report, &bar.progress());
+  if (!painted) {
     bar.finish();
-    return console.fail(mesh.error(), command.input);
+    return console.fail(painted.error(), command.input);
   }
+  const TriangleMesh* const mesh = &painted->mesh;
   DiagnoseOptions options;
   options.depth = DiagnosisDepth::kGeometry;
   options.threads = command.common.threads;
@@ -76,9 +77,14 @@ int tell_mesh(const InfoCommand& command, const Console& console) {
   info["dropped_faces"] = report.dropped_faces;
   info["vertices"] = mesh->vertices.size();
   info["vertex_colors"] = report.vertex_colors;
+  info["face_colors"] = !painted->paint.face_colors.empty();
+  info["materials"] = painted->paint.materials.size();
+  info["textures"] = painted->paint.images.size();
   info["box"]["min"] = to_array(box.min);
   info["box"]["max"] = to_array(box.max);
   info["volume"] = diagnosis.closed() ? nlohmann::ordered_json(signed_volume(*mesh)) : nullptr;
+  for (const MeshWarning& warning : report.warnings)
+    info["warnings"].push_back({{"id", warning.id}, {"text", warning.text}});
   nlohmann::ordered_json found = diagnosis_json(diagnosis);
   if (console.json()) {
     info["diagnosis"] = std::move(found);

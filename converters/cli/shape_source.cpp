@@ -14,6 +14,7 @@
 #include "sdk/author/tile_sample.h"
 #include "sdk/core/recipe.h"
 #include "sdk/core/shapes.h"
+#include "sdk/surface/instance_colors.h"
 
 namespace mesocell {
 namespace {
@@ -23,15 +24,25 @@ constexpr std::string_view kTilePrefix = "tile:", kShapePrefix = "shape:";
 /// A closed mesh, filled with tiles.
 class MeshShape final : public ShapeSource {
  public:
-  explicit MeshShape(TriangleMesh mesh) : mesh_(std::move(mesh)) {}
+  explicit MeshShape(PaintedMesh painted)
+      : mesh_(std::move(painted.mesh)), paint_(std::move(painted.paint)) {}
   [[nodiscard]] Result<CellObject> fill(TileMap tile, const AuthorOptions& options, AuthorReport& report,
                                         const Progress& progress) const override {
     return author_cell_object(mesh_, std::move(tile), options, &report, &progress);
   }
   [[nodiscard]] const TriangleMesh& surface() const override { return mesh_; }
+  [[nodiscard]] Status check_colors() const override {
+    if (mesh_.colors.empty() && paint_.empty()) return mesh_without_colors();
+    return {};
+  }
+  [[nodiscard]] Result<std::vector<Rgb8>> instance_colors(const CellObject& object, unsigned threads,
+                                                          const Progress* progress) const override {
+    return make_instance_colors(object, mesh_, paint_, threads, progress);
+  }
 
  private:
   TriangleMesh mesh_;
+  SurfacePaint paint_;
 };
 
 /// The cells of a tile themselves.
@@ -42,6 +53,7 @@ class TileShape final : public ShapeSource {
     return make_tile_sample(std::move(tile));
   }
   [[nodiscard]] const TriangleMesh& surface() const override { return none_; }
+  [[nodiscard]] Status check_colors() const override { return mesh_without_colors(); }
 
  private:
   TriangleMesh none_;
@@ -63,21 +75,26 @@ Content find_content(const std::string& input) {
   return picture_format(text) ? Content::kPicture : Content::kMesh;
 }
 
-/// A shape of its own name, with no file.
-class GeneratedShape final : public ShapeSource {
+/// A shape of which more is known.
+class DescribedShape final : public ShapeSource {
  public:
-  GeneratedShape(TriangleMesh mesh, std::string recipe)
-      : mesh_(std::move(mesh)), recipe_(std::move(recipe)) {}
+  DescribedShape(std::unique_ptr<ShapeSource> shape, Metadata metadata)
+      : shape_(std::move(shape)), metadata_(std::move(metadata)) {}
   [[nodiscard]] Result<CellObject> fill(TileMap tile, const AuthorOptions& options, AuthorReport& report,
                                         const Progress& progress) const override {
-    return mesh_.fill(std::move(tile), options, report, progress);
+    return shape_->fill(std::move(tile), options, report, progress);
   }
-  [[nodiscard]] const TriangleMesh& surface() const override { return mesh_.surface(); }
-  [[nodiscard]] Metadata metadata() const override { return {{"shape", recipe_}}; }
+  [[nodiscard]] const TriangleMesh& surface() const override { return shape_->surface(); }
+  [[nodiscard]] Metadata metadata() const override { return metadata_; }
+  [[nodiscard]] Status check_colors() const override { return shape_->check_colors(); }
+  [[nodiscard]] Result<std::vector<Rgb8>> instance_colors(const CellObject& object, unsigned threads,
+                                                          const Progress* progress) const override {
+    return shape_->instance_colors(object, threads, progress);
+  }
 
  private:
-  MeshShape mesh_;
-  std::string recipe_;
+  std::unique_ptr<ShapeSource> shape_;
+  Metadata metadata_;
 };
 
 std::optional<Failure> make_generated(const std::string& input, std::unique_ptr<ShapeSource>& shape) {
@@ -85,19 +102,21 @@ std::optional<Failure> make_generated(const std::string& input, std::unique_ptr<
   if (!recipe) return Failure{recipe.error(), input};
   Result<TriangleMesh> mesh = make_shape(*recipe);
   if (!mesh) return Failure{mesh.error(), input};
-  shape = std::make_unique<GeneratedShape>(std::move(*mesh), to_text(*recipe));
+  shape = make_mesh_shape(std::move(*mesh), {{"shape", to_text(*recipe)}});
   return std::nullopt;
 }
 
 std::optional<Failure> read_mesh(const std::string& input, const Progress& progress,
                                  std::unique_ptr<ShapeSource>& shape, std::vector<Warning>& warnings) {
   MeshReadReport report;
-  Result<TriangleMesh> mesh = read_mesh_file(input, {}, &report, &progress);
+  Result<PaintedMesh> mesh = read_painted_mesh(input, {}, &report, &progress);
   if (!mesh) return Failure{mesh.error(), input};
   if (report.dropped_faces > 0)
     warnings.push_back(
         {"faces-dropped", std::to_string(report.dropped_faces) +
                               " triangles with two equal corners were left out; they enclose nothing"});
+  for (MeshWarning& warning : report.warnings)
+    warnings.push_back({std::move(warning.id), std::move(warning.text)});
   shape = std::make_unique<MeshShape>(std::move(*mesh));
   return std::nullopt;
 }
@@ -109,8 +128,15 @@ std::optional<std::string> tile_of_input(const std::string& input) {
   return input.substr(kTilePrefix.size());
 }
 
-std::unique_ptr<ShapeSource> make_mesh_shape(TriangleMesh mesh) {
-  return std::make_unique<MeshShape>(std::move(mesh));
+Result<std::vector<Rgb8>> ShapeSource::instance_colors(const CellObject&, unsigned, const Progress*) const {
+  return mesh_without_colors();
+}
+
+std::unique_ptr<ShapeSource> make_mesh_shape(TriangleMesh mesh, Metadata metadata) {
+  PaintedMesh painted;
+  painted.mesh = std::move(mesh);
+  return std::make_unique<DescribedShape>(std::make_unique<MeshShape>(std::move(painted)),
+                                          std::move(metadata));
 }
 
 bool is_shape_key(std::string_view key) { return key == "heights" || key == "shape"; }

@@ -27,10 +27,16 @@ class ShapeSource {
   [[nodiscard]] virtual const TriangleMesh& surface() const = 0;
   /// What the asset's metadata says of it, beside how it was filled. See is_shape_key().
   [[nodiscard]] virtual Metadata metadata() const { return {}; }
+  /// Whether instance_colors() is in vain, as far as can be told before the work. Errors: kUsage.
+  [[nodiscard]] virtual Status check_colors() const { return {}; }
+  /// The shape's own colors of the INSIDE instances of an object that it filled, in the order of
+  /// CellObject::instance_colors. Errors: kUsage (it has no colors), those of make_instance_colors().
+  [[nodiscard]] virtual Result<std::vector<Rgb8>> instance_colors(const CellObject& object, unsigned threads,
+                                                                  const Progress* progress) const;
 };
 
-/// A mesh as a shape.
-[[nodiscard]] std::unique_ptr<ShapeSource> make_mesh_shape(TriangleMesh mesh);
+/// A mesh as a shape, and what the metadata says of it.
+[[nodiscard]] std::unique_ptr<ShapeSource> make_mesh_shape(TriangleMesh mesh, Metadata metadata);
 
 /// The tile that an input shows alone, as for --tile; none if the input is a shape to be filled.
 [[nodiscard]] std::optional<std::string> tile_of_input(const std::string& input);
