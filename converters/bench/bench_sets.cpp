@@ -37,7 +37,7 @@ BenchSet default_set() {
                .more_views = kGrazing,
                .methods = bench_methods(),
                .pass_seconds = 0.1,
-               .max_seconds = 480};  // a case that has begun is ended, and takes a minute at most
+               .max_seconds = 450};  // a case that has begun is ended, and takes a minute at most
   // What matters most comes first, in case there is no time for all.
   set.scenes.emplace_back(kReference);
   for (const char* size : {"64x128", "16x32", "128x32"})
