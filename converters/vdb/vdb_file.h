@@ -59,9 +59,8 @@ struct VdbGridInfo {
                                                         const WorkerLimits& limits = {},
                                                         const Progress* progress = nullptr);
 
-/// Writes volumes as grids of a .vdb file, in their order, which appears whole or not at all. Level sets have
-/// the signs of what lies beyond their leaves filled in by OpenVDB. The same volumes give the same bytes.
-/// Errors: kOutput, kLimit, kCancelled.
+/// Writes volumes as grids of a .vdb file, in their order, which appears whole or not at all. The same
+/// volumes give the same bytes. Errors: kOutput, kLimit, kCancelled.
 [[nodiscard]] Status write_vdb(const std::string& path, std::span<const SparseVolume> volumes,
                                bool no_clobber = false, const WorkerLimits& limits = {},
                                const Progress* progress = nullptr);

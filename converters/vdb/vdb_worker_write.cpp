@@ -1,5 +1,4 @@
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/SignedFloodFill.h>
 
 #include <array>
 #include <cstdio>
@@ -67,8 +66,6 @@ typename Grid::Ptr make_grid(const SparseVolume& volume) {
             leaf->setValueOff(offset, value);
         }
   }
-  if constexpr (std::is_same_v<Grid, openvdb::FloatGrid>)
-    if (volume.volume_class == VolumeClass::kLevelSet) openvdb::tools::signedFloodFill(tree);
   return grid;
 }
 
