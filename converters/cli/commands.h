@@ -24,7 +24,8 @@ struct ConvertCommand {
   std::string box;
   std::optional<std::string> tile, rule, percolating, repair, solid, heights;
   std::optional<double> stitch, thicken, wrap_alpha, wrap_offset;  ///< metres
-  std::optional<std::string> color;
+  std::optional<std::string> color, grid;  ///< grid: of a volume
+  std::optional<double> iso;
   bool normals = false;
   // Of assets to other formats.
   std::optional<std::string> as, region, side, size;

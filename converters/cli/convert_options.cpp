@@ -11,6 +11,7 @@
 #include "converters/cli/export.h"
 #include "converters/cli/height_source.h"
 #include "converters/cli/tile_source.h"
+#include "converters/cli/volume_source.h"
 #include "converters/import/mesh_file.h"
 #include "converters/import/volume_file.h"
 #include "sdk/core/shapes.h"
@@ -22,7 +23,7 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   // The parser gives all words to the first option that takes several, so the output is the last of them.
   sub->add_option("input... output", command.inputs,
                   std::string("Input: a mesh, ") + kMeshExtensions +
-                      "; a picture, as heights; shape:NAME; or tile:RECIPE, to keep and show a tile with "
+                      "; a volume; a picture, as heights; shape:NAME; or tile:RECIPE, to keep and show a tile with "
                       "each of its cells once; or .meso files, whose "
                       "assets are put into one file, FILE.meso#ASSET for one of them. Output: .meso; of an "
                       "asset also other formats, see below")
@@ -41,6 +42,8 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
       ->type_name("RECIPE");
   sub->add_option("--heights", command.heights, "How a picture is read as heights, see below")
       ->type_name("KEY=VALUE,...");
+  sub->add_option("--grid", command.grid, "Which grid of a volume to take, see below")->type_name("NAME");
+  sub->add_option("--iso", command.iso, "The value at a volume's surface, see below")->type_name("X");
   sub->add_option("--percolating", command.percolating,
                   "Imported cells that meet their own copy through the tile's border: cut or refuse [cut]")
       ->type_name("CHOICE");
@@ -114,7 +117,7 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
       "these that "
       "suffices. `mesocell info MESH` tells what is amiss with a mesh.\n\nRecipes of tiles:\n" +
       tile_sources_help() + "\nRecipes of colors:\n" + color_sources_help() + "\nVolumes: " + kVolumeAxes +
-      "\n\nHeights: " + heights_help() + "\nShapes:\n" + shapes_help() + "\nWhat an asset can become:\n" +
+      "\n\nVolumes as shapes: " + volumes_help() + "\nHeights: " + heights_help() + "\nShapes:\n" + shapes_help() + "\nWhat an asset can become:\n" +
       exports_help() +
       "\nBatch: several inputs, or @LIST, a file with one on each line, and a folder as the output, FOLDER/. "
       "Each "

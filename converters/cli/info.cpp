@@ -7,6 +7,7 @@
 #include "converters/cli/repair_report.h"
 #include "converters/cli/representations.h"
 #include "converters/cli/values.h"
+#include "converters/cli/volume_source.h"
 #include "converters/import/mesh_file.h"
 #include "format/chunk_reader.h"
 #include "format/tag_reader.h"
@@ -98,6 +99,15 @@ int tell_mesh(const InfoCommand& command, const Console& console) {
   return console.finish(text);
 }
 
+/// The grids of a volume.
+int tell_volume(const InfoCommand& command, const Console& console) {
+  ProgressBar bar(!console.quiet());
+  const Result<nlohmann::ordered_json> info = describe_volume(command.input, bar.progress());
+  bar.finish();
+  if (!info) return console.fail(info.error(), command.input);
+  return console.finish(console.json() ? json_text(*info) : info_text(*info));
+}
+
 std::string_view tag_name(Tag tag) {
   return tag == Tag::kInside ? "inside" : tag == Tag::kOutside ? "outside" : "intersected";
 }
@@ -145,6 +155,7 @@ int tell_tile(const InfoCommand& command, const Console& console) {
 int run_info(const InfoCommand& command) {
   const Console console(command.common);
   if (!command.tile.empty()) return tell_tile(command, console);
+  if (is_volume_input(command.input)) return tell_volume(command, console);
   if (is_readable_mesh(command.input)) return tell_mesh(command, console);
   const Result<AssetFile> file = read_whole_asset_file(command.input);
   if (!file) return console.fail(file.error(), command.input);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "converters/cli/height_source.h"
+#include "converters/cli/volume_source.h"
 #include "converters/image/input_file.h"
 #include "converters/import/mesh_file.h"
 #include "converters/import/picture_file.h"
@@ -59,7 +60,7 @@ class TileShape final : public ShapeSource {
   TriangleMesh none_;
 };
 
-enum class Content : std::uint8_t { kTile, kGenerated, kPicture, kMesh };
+enum class Content : std::uint8_t { kTile, kGenerated, kPicture, kVolume, kMesh };
 
 /// What an input is, by what the file holds; a file of which nothing is known is left to the meshes, which
 /// have the most to say.
@@ -72,7 +73,8 @@ Content find_content(const std::string& input) {
   const std::size_t bytes = std::size_t(std::min<std::uint64_t>(file->size(), head.size()));
   if (!file->read_at(0, std::span(head).first(bytes))) return Content::kMesh;
   const std::string_view text(reinterpret_cast<const char*>(head.data()), bytes);
-  return picture_format(text) ? Content::kPicture : Content::kMesh;
+  if (picture_format(text)) return Content::kPicture;
+  return is_volume_input(input) ? Content::kVolume : Content::kMesh;
 }
 
 /// A shape of which more is known.
@@ -139,7 +141,7 @@ std::unique_ptr<ShapeSource> make_mesh_shape(TriangleMesh mesh, Metadata metadat
                                           std::move(metadata));
 }
 
-bool is_shape_key(std::string_view key) { return key == "heights" || key == "shape"; }
+bool is_shape_key(std::string_view key) { return key == "heights" || key == "shape" || key == "source"; }
 
 std::optional<Failure> read_shape(const ConvertCommand& command, const Progress& progress,
                                   std::unique_ptr<ShapeSource>& shape, std::vector<Warning>& warnings) {
@@ -147,6 +149,8 @@ std::optional<Failure> read_shape(const ConvertCommand& command, const Progress&
   const Content content = find_content(input);
   if (command.heights && content != Content::kPicture)
     warnings.push_back({"option-unused", "--heights has no effect where the input is no picture"});
+  if ((command.grid || command.iso) && content != Content::kVolume)
+    warnings.push_back({"option-unused", "--grid and --iso have no effect where the input is no volume"});
   switch (content) {
     case Content::kTile:
       shape = std::make_unique<TileShape>();
@@ -158,6 +162,8 @@ std::optional<Failure> read_shape(const ConvertCommand& command, const Progress&
       if (!plan) return Failure{plan.error(), "--heights"};
       return read_heights(input, *plan, progress, shape, warnings);
     }
+    case Content::kVolume:
+      return read_volume_shape(command, progress, shape, warnings);
     case Content::kMesh:
       return read_mesh(input, progress, shape, warnings);
   }

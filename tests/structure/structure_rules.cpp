@@ -40,7 +40,7 @@ struct Folder {
   std::string_view may_include;  ///< folders, each followed by a blank
 };
 
-constexpr std::array<Folder, 18> kFolders = {{
+constexpr std::array<Folder, 20> kFolders = {{
     {"format/loader/", ""},
     {"format/", ""},
     {"sdk/core/", "format/ "},
@@ -55,6 +55,8 @@ constexpr std::array<Folder, 18> kFolders = {{
     {"converters/image/", "format/ sdk/ "},
     {"converters/export/", "format/ sdk/ converters/image/ "},
     {"converters/import/", "format/ sdk/ converters/image/ "},
+    {"converters/worker/", "format/ sdk/ converters/image/ "},
+    {"converters/vdb/", "format/ sdk/ converters/image/ converters/import/ converters/worker/ "},
     {"converters/stability/", "format/ sdk/ converters/image/ "},
     {"converters/bench/", "format/ sdk/ converters/image/ converters/stability/ "},
     {"converters/cli/", "format/ sdk/ converters/ "},
@@ -72,7 +74,8 @@ constexpr std::array<ThirdParty, 14> kThirdParties = {{
     {"CGAL/", "sdk/membership/ sdk/wrap/ "},
     {"OpenMesh/", "converters/import/openmesh_reader.cpp "},
     {"OpenImageIO/", "converters/image/image_module.cpp "},
-    {"openvdb/", "converters/stability/methods/openvdb_module.cpp converters/bench/peers/ "},
+    {"openvdb/",
+     "converters/stability/methods/openvdb_module.cpp converters/bench/peers/ converters/vdb/vdb_worker "},
     {"nanovdb/", "converters/bench/peers/nanovdb_mask.cpp "},
     {"embree3/", "converters/bench/peers/embree_module.cpp "},
     {"tbb/", "converters/stability/methods/openvdb_module.cpp "},
