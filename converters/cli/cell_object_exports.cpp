@@ -11,6 +11,7 @@
 #include "converters/export/height_map.h"
 #include "converters/export/image_stack.h"
 #include "converters/export/mesh_export.h"
+#include "converters/vdb/vdb_export.h"
 
 namespace mesocell {
 namespace {
@@ -115,11 +116,33 @@ Status export_mesh(const ExportJob& job, bool instanced) {
 Status export_surface(const ExportJob& job) { return export_mesh(job, false); }
 Status export_instances(const ExportJob& job) { return export_mesh(job, true); }
 
+Status export_grids(const ExportJob& job, const VdbKinds& kinds) {
+  VdbExportOptions options{
+      .kinds = kinds, .no_clobber = job.command.no_clobber, .threads = job.command.common.threads};
+  std::optional<TileBox> box;
+  if (Status status = parse_region(job, box); !status) return status;
+  if (box) options.tiles = TileRange{box->begin, box->end};
+  VdbExportReport report;
+  const Status status = export_vdb(job.object, job.command.output, options, &report, &job.progress);
+  for (const VdbExportReport::Grid& grid : report.grids) job.report["grids"][grid.name] = grid.voxels;
+  job.report["bytes"] = report.bytes;
+  add_losses(report.losses, job);
+  return status;
+}
+Status export_level_set(const ExportJob& job) { return export_grids(job, {.level_set = true}); }
+Status export_fog(const ExportJob& job) { return export_grids(job, {.fog = true}); }
+Status export_labels(const ExportJob& job) { return export_grids(job, {.labels = true}); }
+Status export_color_grid(const ExportJob& job) { return export_grids(job, {.fog = true, .colors = true}); }
+
 constexpr ExportKind kKinds[] = {
     {"surface", ".glb .obj .off .ply .stl", "the surface as a closed mesh, two triangles a voxel's face",
      "--region --max-faces --normals --draco", export_surface},
     {"instances", ".glb", "a mesh of each cell, placed wherever it is inside (EXT_mesh_gpu_instancing)",
      "--max-faces --normals --draco --drop-buried", export_instances},
+    {"level-set", ".vdb", "distances to the surface", "--region", export_level_set},
+    {"fog", ".vdb", "1 inside, 0 elsewhere", "--region", export_fog},
+    {"labels", ".vdb", "cells, membership and tile; converts back to an equal asset", "", export_labels},
+    {"colors", ".vdb", "fog, and the color at each voxel inside", "--region", export_color_grid},
     {"tile", "/ .tif .tiff .exr", "the cells of the tile, a stack of pictures", "", export_cells},
     {"color", "/ .tif .tiff .exr", "the colors in the tile, a stack of pictures", "", export_colors},
     {"normal", "/ .tif .tiff .exr", "the normals of the tile, a stack of pictures", "", export_normals},

@@ -67,14 +67,14 @@ enum class Content : std::uint8_t { kTile, kGenerated, kPicture, kVolume, kMesh 
 Content find_content(const std::string& input) {
   if (tile_of_input(input)) return Content::kTile;
   if (input.starts_with(kShapePrefix)) return Content::kGenerated;
+  if (is_volume_input(input)) return Content::kVolume;
   const Result<InputFile> file = InputFile::open(input, UINT64_MAX);
   if (!file) return Content::kMesh;
   std::array<std::byte, 32> head{};
   const std::size_t bytes = std::size_t(std::min<std::uint64_t>(file->size(), head.size()));
   if (!file->read_at(0, std::span(head).first(bytes))) return Content::kMesh;
   const std::string_view text(reinterpret_cast<const char*>(head.data()), bytes);
-  if (picture_format(text)) return Content::kPicture;
-  return is_volume_input(input) ? Content::kVolume : Content::kMesh;
+  return picture_format(text) ? Content::kPicture : Content::kMesh;
 }
 
 /// A shape of which more is known.

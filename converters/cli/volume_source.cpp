@@ -10,6 +10,7 @@
 
 #include "converters/image/extension.h"
 #include "converters/image/input_file.h"
+#include "converters/import/volume_file.h"
 #include "converters/vdb/scan_file.h"
 #include "converters/vdb/vdb_file.h"
 #include "converters/vdb/volume_shape.h"
@@ -61,8 +62,31 @@ std::string source_text(const std::string& input, const std::string& grid, std::
   return is_utf8(text) ? text : "volume";
 }
 
+/// Slices, or a volume texture: its longest side is 1 m.
+Result<SparseVolume> read_stack(const std::string& path, const Progress& progress) {
+  const Result<ScalarVolume> stack = read_scalar_volume(path, {}, &progress);
+  if (!stack) return stack.error();
+  SparseVolume volume = make_sparse(stack->values, stack->resolution);
+  const double edge = 1.0 / *std::max_element(stack->resolution.begin(), stack->resolution.end());
+  volume.index_to_world = scaling({edge, edge, edge});
+  return volume;
+}
+
+/// A volume that is one grid.
+Result<SparseVolume> read_one_grid(const std::string& path, const Progress& progress) {
+  if (is_scan(path)) return read_scan(path);
+  if (is_raw_volume(path))
+    return Error{
+        ErrorCode::kInvalidInput,
+        "a .raw file does not say how many voxels it has, nor of what kind; write a MetaImage header "
+        "(.mhd) that names it, and give that"};
+  return read_stack(path, progress);
+}
+
+bool is_vdb(const std::string& path) { return is_vdb_file(path) || lower_extension(path) == ".vdb"; }
+
 Result<SparseVolume> read(const ConvertCommand& command, VdbReadReport& report, const Progress& progress) {
-  if (is_scan(command.input)) return read_scan(command.input);
+  if (!is_vdb(command.input)) return read_one_grid(command.input, progress);
   VdbReadOptions options;
   options.grid = command.grid.value_or("");
   return read_vdb(command.input, options, &report, &progress);
@@ -119,14 +143,14 @@ nlohmann::ordered_json grid_json(const VdbGridInfo& grid) {
 }  // namespace
 
 bool is_volume_input(const std::string& path) {
-  return is_vdb_file(path) || is_scan(path) || lower_extension(path) == ".vdb";
+  return is_vdb(path) || is_scan(path) || is_raw_volume(path) || is_slice_stack(path);
 }
 
 std::optional<Failure> read_volume_shape(const ConvertCommand& command, const Progress& progress,
                                          std::unique_ptr<ShapeSource>& shape,
                                          std::vector<Warning>& warnings) {
-  if (command.grid && is_scan(command.input))
-    warnings.push_back({"option-unused", "--grid has no effect on a scan, which is one grid"});
+  if (command.grid && !is_vdb(command.input))
+    warnings.push_back({"option-unused", "--grid has no effect on what is one grid"});
   VdbReadReport report;
   Result<SparseVolume> volume = read(command, report, progress);
   if (!volume)
@@ -155,10 +179,10 @@ Result<nlohmann::ordered_json> describe_volume(const std::string& path, const Pr
   nlohmann::ordered_json grids = nlohmann::ordered_json::array();
   std::error_code ignored;
   const std::uint64_t file_bytes = std::filesystem::file_size(path, ignored);
-  if (is_scan(path)) {
-    const Result<SparseVolume> volume = read_scan(path);
+  if (!is_vdb(path)) {
+    const Result<SparseVolume> volume = read_one_grid(path, progress);
     if (!volume) return volume.error();
-    json["format"] = volume->name;
+    json["format"] = is_scan(path) ? volume->name : "slices";
     nlohmann::ordered_json grid;
     grid["name"] = "";
     grid["type"] = "float_5_4_3";
@@ -184,7 +208,8 @@ Result<nlohmann::ordered_json> describe_volume(const std::string& path, const Pr
 }
 
 std::string volumes_help() {
-  return "VDB (level sets, fog, masks, labels), MetaImage and INRIMAGE-4 (.mhd, .mha, .inr). --grid NAME or\n"
+  return "VDB (level sets, fog, masks, labels), MetaImage and INRIMAGE-4 (.mhd, .mha, .inr), a folder of "
+         "slices, a\nTIFF of several pages, a volume texture (.dds). --grid NAME or\n"
          "NAME[INDEX] says which grid of a VDB [the first that can be used]; --iso the value of the surface: "
          "inside\nis what is below it of a level set [0], what is at or above it of all else [half the "
          "greatest value].\nBetween samples values are interpolated trilinearly. `mesocell info FILE.vdb` "

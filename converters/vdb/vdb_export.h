@@ -34,8 +34,8 @@ struct TileRange {
 };
 
 struct VdbExportOptions {
-  VdbKinds kinds;
-  std::optional<TileRange> tiles;  ///< all if not set; what is beyond counts as empty. Not with labels
+  VdbKinds kinds = {};
+  std::optional<TileRange> tiles = std::nullopt;  ///< all if not set; what is beyond counts as empty. Not with labels
   std::uint64_t max_voxels = std::uint64_t{1} << 27;  ///< in leaves, of each grid
   bool no_clobber = false;
   unsigned threads = 0;  ///< 0: the machine's; the file does not depend on it

@@ -156,15 +156,13 @@ VolumeValue VolumeLookup::numbers(const VoxelCoord& at) const {
   return leaf == PlaceTable::kNone ? beyond_leaves(at) : leaf_numbers(leaf, at);
 }
 
-double VolumeLookup::interpolate(Vec3 at) const {
-  std::array<double, 3> t;
-  VoxelCoord low;
-  for (std::size_t a = 0; a < 3; ++a) low[a] = split(at[a], t[a]);
+std::array<double, 8> VolumeLookup::corners(const VoxelCoord& low) const {
   std::array<double, 8> v;
   const std::uint32_t leaf = find_leaf(low);
   const bool within = (low[0] & 7) < 7 && (low[1] & 7) < 7 && (low[2] & 7) < 7;
-  if (within && leaf == PlaceTable::kNone) return beyond_leaves(low)[0];
-  if (within && volume_.type == VolumeType::kFloat) {
+  if (within && leaf == PlaceTable::kNone) {
+    v.fill(beyond_leaves(low)[0]);
+  } else if (within && volume_.type == VolumeType::kFloat) {
     const float* first =
         volume_.floats.data() + std::size_t{leaf} * SparseVolume::kLeafVoxels + offset_in_leaf(low);
     for (std::size_t k = 0; k < 8; ++k) v[k] = double(first[(k & 1) + 8 * (k >> 1 & 1) + 64 * (k >> 2)]);
@@ -173,9 +171,39 @@ double VolumeLookup::interpolate(Vec3 at) const {
       v[k] = value(
           {low[0] + std::int32_t(k & 1), low[1] + std::int32_t(k >> 1 & 1), low[2] + std::int32_t(k >> 2)});
   }
+  return v;
+}
+
+double VolumeLookup::interpolate(Vec3 at) const {
+  std::array<double, 3> t;
+  VoxelCoord low;
+  for (std::size_t a = 0; a < 3; ++a) low[a] = split(at[a], t[a]);
+  std::array<double, 8> v = corners(low);
   for (std::size_t k = 0; k < 4; ++k) v[k] = mix(v[2 * k], v[2 * k + 1], t[0]);
   for (std::size_t k = 0; k < 2; ++k) v[k] = mix(v[2 * k], v[2 * k + 1], t[1]);
   return mix(v[0], v[1], t[2]);
+}
+
+std::optional<VolumeLookup::Range> VolumeLookup::range_in_cell(Vec3 low, Vec3 high) const {
+  std::array<double, 3> t0, t1;
+  VoxelCoord cell;
+  for (std::size_t a = 0; a < 3; ++a) {
+    cell[a] = split(low[a], t0[a]);
+    double rest;
+    if (split(high[a], rest) != cell[a]) return std::nullopt;
+    t1[a] = rest;
+  }
+  const std::array<double, 8> v = corners(cell);
+  Range found = kEmpty;
+  for (unsigned k = 0; k < 8; ++k) {
+    const double x = k & 1 ? t1[0] : t0[0], y = k & 2 ? t1[1] : t0[1], z = k & 4 ? t1[2] : t0[2];
+    const double near = mix(mix(v[0], v[1], x), mix(v[2], v[3], x), y);
+    const double value = mix(near, mix(mix(v[4], v[5], x), mix(v[6], v[7], x), y), z);
+    grow(found, value, value);
+  }
+  double most = 0;
+  for (const double sample : v) most = std::max(most, std::abs(sample));
+  return Range{found.low - 1e-12 * most, found.high + 1e-12 * most};
 }
 
 VolumeValue VolumeLookup::interpolate_numbers(Vec3 at) const {
@@ -202,6 +230,34 @@ double VolumeLookup::nearest(Vec3 at) const {
   return value(low);
 }
 
+void VolumeLookup::add_leaf(std::uint32_t leaf, const VoxelCoord& low, const VoxelCoord& high,
+                            const Range& enough, Range& found) const {
+  const Range& all = leaf_ranges_[leaf];
+  if (all.low >= found.low && all.high <= found.high) return;
+  const VoxelCoord& origin = volume_.leaves[leaf].origin;
+  VoxelCoord first, last;
+  bool whole = true;
+  for (std::size_t a = 0; a < 3; ++a) {
+    first[a] = std::max(low[a], origin[a]);
+    last[a] = std::min(high[a], origin[a] + 7);
+    whole = whole && first[a] == origin[a] && last[a] == origin[a] + 7;
+  }
+  // Near the surface a leaf is on both sides of it, while most of its parts are not.
+  if (whole || !beyond(all, enough)) {
+    grow(found, all.low, all.high);
+    return;
+  }
+  VoxelCoord at;
+  for (at[2] = first[2]; at[2] <= last[2]; ++at[2])
+    for (at[1] = first[1]; at[1] <= last[1]; ++at[1]) {
+      for (at[0] = first[0]; at[0] <= last[0]; ++at[0]) {
+        const double v = leaf_numbers(leaf, at)[0];
+        grow(found, v, v);
+      }
+      if (beyond(found, enough)) return;
+    }
+}
+
 void VolumeLookup::add_range(const Node& node, const VoxelCoord& low, const VoxelCoord& high,
                              const Range& enough, Range& found) const {
   VoxelCoord first, last;
@@ -223,7 +279,7 @@ void VolumeLookup::add_range(const Node& node, const VoxelCoord& low, const Voxe
       for (std::int32_t x = begin[0]; x <= last[0]; x += 8) {
         const std::uint32_t leaf = leaves_.find({x, y, z});
         if (leaf != PlaceTable::kNone) {
-          grow(found, leaf_ranges_[leaf].low, leaf_ranges_[leaf].high);
+          add_leaf(leaf, first, last, enough, found);
         } else {
           const double v = beyond_leaves({x, y, z})[0];
           grow(found, v, v);

@@ -133,8 +133,9 @@ BoxSide VolumeShape::side(const Box3& box) const {
     if (found.low == 0 && found.high == 0) return BoxSide::kOutside;
     return found.low > 0 || found.high < 0 ? BoxSide::kInside : BoxSide::kMixed;
   }
-  const VolumeLookup::Range found = lookup_.range(low, high, {*iso_, *iso_});
-  const double slack = value_slack(found);
+  const std::optional<VolumeLookup::Range> in_cell = lookup_.range_in_cell(samples.min, samples.max);
+  const VolumeLookup::Range found = in_cell ? *in_cell : lookup_.range(low, high, {*iso_, *iso_});
+  const double slack = in_cell ? 0 : value_slack(found);
   const bool below = found.high + slack < *iso_, above = found.low - slack >= *iso_;
   if (!below && !above) return BoxSide::kMixed;
   return below == (volume_.volume_class == VolumeClass::kLevelSet) ? BoxSide::kInside : BoxSide::kOutside;
