@@ -40,7 +40,7 @@ struct Folder {
   std::string_view may_include;  ///< folders, each followed by a blank
 };
 
-constexpr std::array<Folder, 18> kFolders = {{
+constexpr std::array<Folder, 19> kFolders = {{
     {"format/loader/", ""},
     {"format/", ""},
     {"sdk/core/", "format/ "},
@@ -53,7 +53,8 @@ constexpr std::array<Folder, 18> kFolders = {{
     {"sdk/shade/", "format/ sdk/core/ sdk/trace/ "},
     {"sdk/measure/", "format/ sdk/core/ sdk/trace/ "},
     {"converters/image/", "format/ sdk/ "},
-    {"converters/export/", "format/ sdk/ converters/image/ "},
+    {"converters/worker/", "format/ sdk/ converters/image/ "},
+    {"converters/export/", "format/ sdk/ converters/image/ converters/worker/ "},
     {"converters/import/", "format/ sdk/ converters/image/ "},
     {"converters/stability/", "format/ sdk/ converters/image/ "},
     {"converters/bench/", "format/ sdk/ converters/image/ converters/stability/ "},
