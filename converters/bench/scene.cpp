@@ -3,8 +3,8 @@
 #include <array>
 #include <charconv>
 
-#include "converters/bench/shapes.h"
 #include "sdk/author/cell_object.h"
+#include "sdk/core/shapes.h"
 #include "sdk/tiles/tile_spec.h"
 
 namespace mesocell {
@@ -53,18 +53,18 @@ Result<SceneName> parse_scene_name(std::string_view text) {
     name.shape = text.substr(0, first);
     name.tile = text.substr(first + 1, second - first - 1);
   }
-  if (!split || !find_name(bench_shapes(), name.shape) || !find_name(bench_tiles(), name.tile) ||
+  if (!split || !find_shape(name.shape) || !find_name(bench_tiles(), name.tile) ||
       !to_count(text.substr(second + 1, x - second - 1), name.tiles) ||
       !to_count(text.substr(x + 1), name.resolution))
     return Error{ErrorCode::kUsage, "there is no scene '" + std::string(text) +
                                         "'; a scene is SHAPE-TILE-TILESxRESOLUTION such as " +
                                         "wavy-voronoi-64x32, with both numbers from 4 to 256; shapes: " +
-                                        names_of(bench_shapes()) + "; tiles: " + names_of(bench_tiles())};
+                                        names_of(shapes()) + "; tiles: " + names_of(bench_tiles())};
   return name;
 }
 
 Result<CellObject> make_scene(const SceneName& name, unsigned threads, const Progress& progress) {
-  const BenchShape& shape = *find_name(bench_shapes(), name.shape);
+  const Shape& shape = *find_shape(name.shape);
   const BenchTile& tile = *find_name(bench_tiles(), name.tile);
   const Result<Recipe> recipe =
       parse_recipe(std::string(tile.recipe) + ",resolution=" + std::to_string(name.resolution));
@@ -76,7 +76,7 @@ Result<CellObject> make_scene(const SceneName& name, unsigned threads, const Pro
   options.grid.box = Box3{{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
   options.repair.repair = Repair::kStrict;
   options.threads = threads;
-  return author_cell_object(shape.make(), std::move(*map), options, nullptr, &progress);
+  return author_cell_object(shape.make(1), std::move(*map), options, nullptr, &progress);
 }
 
 }  // namespace mesocell

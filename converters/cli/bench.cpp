@@ -9,7 +9,6 @@
 #include "converters/bench/bench_sets.h"
 #include "converters/bench/bench_table.h"
 #include "converters/bench/machine.h"
-#include "converters/bench/shapes.h"
 #include "converters/cli/commands.h"
 #include "converters/cli/progress_bar.h"
 #include "converters/cli/representations.h"
@@ -17,6 +16,7 @@
 #include "format/cell_object_io.h"
 #include "format/file.h"
 #include "sdk/core/parallel.h"
+#include "sdk/core/shapes.h"
 
 namespace mesocell {
 namespace {
@@ -156,7 +156,7 @@ std::string bench_help() {
       "everything, hours. The other options replace what the set says.\n\n"
       "Scenes: SHAPE-TILE-TILESxRESOLUTION, both numbers from 4 to 256, such as wavy-voronoi-64x32; "
       "shapes:\n";
-  for (const BenchShape& shape : bench_shapes())
+  for (const Shape& shape : shapes())
     text += "  " + std::string(shape.name) + ": " + std::string(shape.description) + "\n";
   text += "tiles:\n";
   for (const BenchTile& tile : bench_tiles())

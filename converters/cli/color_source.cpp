@@ -10,7 +10,7 @@
 namespace mesocell {
 namespace {
 
-constexpr std::string_view kImport = "image", kOption = "--color";
+constexpr std::string_view kImport = "image", kOwn = "mesh", kOption = "--color";
 
 /// What tells that a texture does not tile.
 void check_seams(const ColorMap& map, std::vector<Warning>& warnings) {
@@ -28,11 +28,21 @@ void check_seams(const ColorMap& map, std::vector<Warning>& warnings) {
 }  // namespace
 
 std::optional<Failure> make_sourced_colors(const Recipe& recipe, std::uint32_t cell_count,
-                                           const TriangleMesh& surface, const Progress& progress,
-                                           Colors& colors, std::vector<Warning>& warnings) {
+                                           const ShapeSource& shape, const Progress& progress, Colors& colors,
+                                           std::vector<Warning>& warnings) {
   const std::string option(kOption);
+  if (recipe.name == kOwn) {
+    if (const Status status = check_options(recipe, "color", {}); !status)
+      return Failure{status.error(), option};
+    if (const Status status = shape.check_colors(); !status) return Failure{status.error(), option};
+    colors = {};
+    colors.instances = [&shape](const CellObject& object, unsigned threads, const Progress* bar) {
+      return shape.instance_colors(object, threads, bar);
+    };
+    return std::nullopt;
+  }
   if (recipe.name != kImport) {
-    Result<Colors> made = make_colors(recipe, cell_count, surface);
+    Result<Colors> made = make_colors(recipe, cell_count);
     if (!made) return Failure{made.error(), option};
     colors = std::move(*made);
     return std::nullopt;
@@ -58,6 +68,7 @@ std::optional<Failure> make_sourced_colors(const Recipe& recipe, std::uint32_t c
 
 std::string color_sources_help() {
   return color_recipes_help() +
+         "mesh   the mesh's own (of vertices, faces, materials and textures), one for each cell inside\n"
          "image:file=slices/   a picture, a folder of pictures or a TIFF of several, as a solid texture of "
          "the tile;\n"
          "    resolution=WxHxD is needed for .raw alone\n";

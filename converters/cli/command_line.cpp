@@ -10,111 +10,19 @@
 #include "converters/cli/cell_object_asset.h"
 #include "converters/cli/color_source.h"
 #include "converters/cli/commands.h"
-#include "converters/cli/convert_plan.h"
+#include "converters/cli/common_options.h"
+#include "converters/cli/convert_options.h"
 #include "converters/cli/exit_codes.h"
+#include "converters/cli/export.h"
+#include "converters/cli/height_source.h"
 #include "converters/cli/stability.h"
 #include "converters/import/mesh_file.h"
 #include "converters/import/volume_file.h"
 #include "format/container_scan.h"
+#include "sdk/core/shapes.h"
 
 namespace mesocell {
 namespace {
-
-void add_reporting(CLI::App& app, CommonOptions& options) {
-  app.add_flag("--json", options.json,
-               "Print the result as JSON; a failure is printed as {\"error\": {...}}");
-  app.add_flag("--quiet", options.quiet, "Print no progress, no warnings and no summary");
-}
-
-void add_common(CLI::App& app, CommonOptions& options) {
-  add_reporting(app, options);
-  app.add_option("--threads", options.threads, "Threads to use, 0 for all; the result does not depend on it")
-      ->type_name("N")
-      ->check(CLI::Range(0u, 1024u).description(""));
-}
-
-void add_no_clobber(CLI::App& app, bool& no_clobber) {
-  app.add_flag("--no-clobber", no_clobber, "Fail if the output exists, instead of replacing it");
-}
-
-void add_convert(CLI::App& app, ConvertCommand& command) {
-  CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a mesh, or from a tile alone");
-  // The parser gives all words to the first option that takes several, so the output is the last of them.
-  sub->add_option(
-         "input... output", command.inputs,
-         std::string("Input: a mesh, ") + kMeshExtensions +
-             "; or tile:RECIPE, to keep and show a tile with each of its cells once; or .meso files, whose "
-             "assets are put into one file, FILE.meso#ASSET for one of them. Output: .meso")
-      ->required()
-      ->option_text("FILES");
-  CLI::Option* tiles =
-      sub->add_option("--tiles", command.tiles, "Tiles along the longest side of the grid, from 1 [16]")
-          ->type_name("N");
-  sub->add_option("--tile-size", command.tile_size, "Edge of a tile in metres, above 0, instead of --tiles")
-      ->type_name("METRES")
-      ->excludes(tiles);
-  sub->add_option("--box", command.box, "Box to cover, instead of the mesh's")
-      ->type_name("X0,Y0,Z0,X1,Y1,Z1");
-  sub->add_option("--tile", command.tile,
-                  std::string("Recipe of the tile, or a .meso file to take it from [") + kDefaultTile + "]")
-      ->type_name("RECIPE");
-  sub->add_option("--percolating", command.percolating,
-                  "Imported cells that meet their own copy through the tile's border: cut or refuse [cut]")
-      ->type_name("CHOICE");
-  sub->add_option("--rule", command.rule, "Rule of membership: " + rule_names() + " [centre]")
-      ->type_name("RULE");
-  sub->add_option(
-         "--repair", command.repair,
-         "How far a mesh that is not closed is repaired: strict, orient, winding, wrap or auto [auto]")
-      ->type_name("CHOICE");
-  sub->add_option("--solid", command.solid,
-                  "What is solid of shells in and over one another: nonzero, even-odd or outer [nonzero]")
-      ->type_name("CHOICE");
-  const auto metres = [&](const char* name, std::optional<double>& value, const char* help) {
-    sub->add_option(name, value, help)->type_name("METRES");
-  };
-  metres("--stitch", command.stitch,
-         "How wide cracks may be that are stitched [1e-5 of the diagonal of the mesh's box]");
-  metres("--thicken", command.thicken,
-         "Give what is open a thickness: what is within half of it of the surface is inside");
-  metres("--wrap-alpha", command.wrap_alpha,
-         "Radius of the ball that a wrap lets in nowhere [a twentieth of the diagonal]");
-  metres("--wrap-offset", command.wrap_offset, "How far off the surface a wrap is [a thirtieth of alpha]");
-  sub->add_option("--color", command.color, "Recipe of the color; white if not given")->type_name("RECIPE");
-  sub->add_flag("--normals", command.normals, "Store smooth normals at the borders of the cells");
-  sub->add_option("--meta", command.meta, "Free text to keep in the file; may be repeated")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->take_all();
-  sub->add_option(
-         "--codec", command.codec,
-         "zstd, which makes files small, or raw, so that maps can be used in place from a memory map [zstd]")
-      ->type_name("CODEC");
-  sub->add_option("--target-version", command.target_version, "Version of the format to write: 1.0 [1.0]")
-      ->type_name("VERSION");
-  add_no_clobber(*sub, command.no_clobber);
-  add_common(*sub, command.common);
-  sub->footer(
-      "Rules: by centre a cell is inside if all its voxels' centres are; by conservative the surface "
-      "must not even touch one of its voxels.\n\n"
-      "Solid: by nonzero overlaps are united, and a shell in a shell is a cavity if it runs the other way; "
-      "by "
-      "even-odd it is one whatever way it runs, and overlaps are hollow; by outer every shell is filled.\n\n"
-      "Repair: strict refuses a mesh that is not closed; orient stitches cracks, turns triangles and drops "
-      "duplicates, and refuses what that does not close; winding decides by the generalized winding number "
-      "what is "
-      "inside of what stays open; wrap replaces what stays open by its alpha wrap; auto takes the first of "
-      "these that "
-      "suffices. `mesocell info MESH` tells what is amiss with a mesh.\n\nRecipes of tiles:\n" +
-      tile_sources_help() + "\nRecipes of colors:\n" + color_sources_help() + "\nVolumes: " + kVolumeAxes +
-      "\n" +
-      "\nExample:\n  mesocell convert bunny.off bunny.meso --tiles 64 "
-      "--tile voronoi:cells=8,resolution=128,seed=1 --color marble --normals\n"
-      "  mesocell convert tile:mesh:file=stones.obj,size=2 stones.meso --color stone\n"
-      "  mesocell convert wall.ply wall.meso --tile stones.meso\n"
-      "  mesocell convert wall.meso bunny.meso library.meso && mesocell render library.meso#bunny "
-      "bunny.png\n");
-}
 
 void add_info(CLI::App& app, InfoCommand& command) {
   CLI::App* sub = app.add_subcommand("info", "Tell what is in a .meso file, or what is amiss with a mesh");
@@ -135,7 +43,8 @@ void add_info(CLI::App& app, InfoCommand& command) {
       "triangles, "
       "components, closed_components, cavities, findings [{id, count, at_least, example, text}]}; convert "
       "has the "
-      "same diagnosis.\n\nOf a .meso file with several assets the keys are those of the first one; assets "
+      "same diagnosis. Of a volume: format, file_bytes, grids [{name, type, usable, class, active_voxels, "
+      "transform (3 rows of 4), voxels {min, max}, box {min, max}}].\n\nOf a .meso file with several assets the keys are those of the first one; assets "
       "[{name, …}] has "
       "all of them. With --tile the keys are tile, tags [one a cell], bytes_read, file_bytes.\n\n"
       "Example:\n  mesocell info bunny.meso --json\n  mesocell info library.meso#bunny\n"
@@ -343,7 +252,8 @@ void add_chart(CLI::App& app, ChartCommand& command) {
 
 void add_bench(CLI::App& app, BenchCommand& command) {
   CLI::App* sub = app.add_subcommand("bench", "Measure speed, memory and errors of methods of tracing");
-  sub->add_option("--set", command.set, "What to measure: quick, default or full [default]")->type_name("SET");
+  sub->add_option("--set", command.set, "What to measure: quick, default or full [default]")
+      ->type_name("SET");
   const auto words = [&](const char* name, std::optional<std::string>& value, const char* help) {
     sub->add_option(name, value, help)->type_name("NAME,...");
   };
@@ -351,10 +261,12 @@ void add_bench(CLI::App& app, BenchCommand& command) {
   words("--cameras", command.cameras, "Where they are seen from: full, cover90, close, grazing, inside");
   words("--rays", command.rays, "Kinds of rays: primary, diffuse, reflection, shadow");
   words("--methods", command.methods, "Methods, such as exact,linear:1/512,embree-instanced");
-  sub->add_option("--input", command.input, "A .meso file to measure on, instead of scenes")->type_name("FILE");
+  sub->add_option("--input", command.input, "A .meso file to measure on, instead of scenes")
+      ->type_name("FILE");
   sub->add_option("--threads", command.threads, "Numbers of threads, each is measured, 0 for all [0]")
       ->type_name("N,...");
-  sub->add_option("--size", command.size, "Size in pixels, each from 1 to 16384 [1024x768]")->type_name("WxH");
+  sub->add_option("--size", command.size, "Size in pixels, each from 1 to 16384 [1024x768]")
+      ->type_name("WxH");
   sub->add_option("--repeat", command.repeat, "Passes that are timed, the median is told, 1 to 99 [3]")
       ->type_name("N")
       ->check(CLI::Range(1u, 99u).description(""));
@@ -451,10 +363,7 @@ int run_command_line(int argc, char** argv) {
     return usage_error(app, error, argc, argv);
   }
   if (app.got_subcommand("convert")) {
-    if (convert.inputs.size() < 2) return usage_error(app, CLI::RequiredError("output"), argc, argv);
-    convert.output = convert.inputs.back();
-    convert.inputs.pop_back();
-    convert.input = convert.inputs.front();
+    if (!complete_convert(app, convert)) return usage_error(app, CLI::RequiredError("output"), argc, argv);
     return run_convert(convert);
   }
   if (app.got_subcommand("info")) return run_info(info);

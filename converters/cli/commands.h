@@ -22,10 +22,20 @@ struct ConvertCommand {
   std::optional<std::int64_t> tiles;
   std::optional<double> tile_size;
   std::string box;
-  std::optional<std::string> tile, rule, percolating, repair, solid;
+  std::optional<std::string> tile, rule, percolating, repair, solid, heights;
   std::optional<double> stitch, thicken, wrap_alpha, wrap_offset;  ///< metres
-  std::optional<std::string> color;
+  std::optional<std::string> color, grid;  ///< grid: of a volume
+  std::optional<double> iso;
   bool normals = false;
+  // Of assets to other formats.
+  std::optional<std::string> as, region, side, size;
+  std::optional<std::uint64_t> max_faces;
+  bool draco = false, drop_buried = false;
+  // Of batches.
+  std::optional<std::string> to;
+  std::optional<unsigned> jobs;
+  bool keep_going = false, force = false;
+  std::vector<std::string> file_options;  ///< words of the options that each file is converted with
   bool no_clobber = false;
 };
 [[nodiscard]] int run_convert(const ConvertCommand& command);

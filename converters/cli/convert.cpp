@@ -7,9 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "converters/cli/batch.h"
+#include "converters/cli/batch_plan.h"
 #include "converters/cli/color_source.h"
 #include "converters/cli/commands.h"
 #include "converters/cli/convert_plan.h"
+#include "converters/cli/export.h"
 #include "converters/cli/progress_bar.h"
 #include "converters/cli/repack.h"
 #include "converters/cli/repair_report.h"
@@ -56,9 +59,9 @@ struct Outcome {
 
 /// Everything on the surface of the object; the metadata says what it was made of.
 std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertPlan& plan, SourcedTile& tile,
-                                   const TriangleMesh& surface, const AuthorReport& report,
+                                   const ShapeSource& shape, const AuthorReport& report,
                                    const Progress& progress, CellObject& object) {
-  object.metadata.clear();
+  object.metadata = shape.metadata();
   if (!tile.color_recipe.empty()) object.metadata.emplace_back("color", tile.color_recipe);
   if (report.repair.rung != RepairRung::kNone)
     object.metadata.emplace_back("repair", repair_text(report.repair));
@@ -66,8 +69,7 @@ std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertP
   object.metadata.emplace_back("tile", tile.recipe);
   object.metadata.insert(object.metadata.end(), plan.metadata.begin(), plan.metadata.end());
   std::sort(object.metadata.begin(), object.metadata.end());
-  if (Status status = apply_colors(std::move(tile.colors), surface, object, plan.author.threads, &progress);
-      !status)
+  if (Status status = apply_colors(std::move(tile.colors), object, plan.author.threads, &progress); !status)
     return Failure{status.error(), command.input};
   object.normals = std::move(tile.normals);
   if (!command.normals || object.normals) return std::nullopt;
@@ -85,7 +87,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
 
   watch.lap();
   std::unique_ptr<ShapeSource> shape;
-  if (auto failure = read_shape(command.input, progress, shape, warnings)) return failure;
+  if (auto failure = read_shape(command, progress, shape, warnings)) return failure;
   outcome.seconds.read = watch.lap();
 
   SourcedTile tile;
@@ -95,8 +97,8 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
 
   // Before the longest part of the work, as the recipe may be wrong.
   if (plan.color) {
-    if (auto failure = make_sourced_colors(*plan.color, tile.tile.cell_count, shape->surface(), progress,
-                                           tile.colors, warnings))
+    if (auto failure =
+            make_sourced_colors(*plan.color, tile.tile.cell_count, *shape, progress, tile.colors, warnings))
       return failure;
     tile.color_recipe = to_text(without_folders(*plan.color));
   }
@@ -106,7 +108,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
   if (!object) return Failure{object.error(), command.input};
   outcome.seconds.voxelize = outcome.report.voxelize_seconds;
   watch.lap();
-  if (auto failure = add_surface(command, plan, tile, shape->surface(), outcome.report, progress, *object))
+  if (auto failure = add_surface(command, plan, tile, *shape, outcome.report, progress, *object))
     return failure;
   outcome.seconds.surface = outcome.report.surface_seconds + color_seconds + watch.lap();
   outcome.report.warnings.insert(outcome.report.warnings.begin(), warnings.begin(), warnings.end());
@@ -178,6 +180,8 @@ std::string outcome_text(const Outcome& outcome, const std::string& output) {
 }  // namespace
 
 int run_convert(const ConvertCommand& command) {
+  if (is_batch(command)) return run_batch(command);
+  if (is_export(command)) return run_export(command);
   const Console console(command.common);
   ProgressBar bar(!console.quiet());
   Outcome outcome;

@@ -195,7 +195,7 @@ std::optional<Failure> make_convert_plan(const ConvertCommand& command, ConvertP
   if (auto failure = parse_solid(command, plan.author.solid)) return failure;
   if (auto failure = parse_write_options(command, plan.write, plan.metadata)) return failure;
   for (const auto& [key, value] : plan.metadata)
-    if (key == "color" || key == "repair" || key == "solid" || key == "tile")
+    if (key == "color" || key == "repair" || key == "solid" || key == "tile" || is_shape_key(key))
       return usage("--meta", "'" + key + "' is a key that mesocell writes itself; use another one");
   find_unused(command, plan);
   return check_convert_files(command, plan.tile.saved);

@@ -7,6 +7,7 @@
 #include "converters/cli/repair_report.h"
 #include "converters/cli/representations.h"
 #include "converters/cli/values.h"
+#include "converters/cli/volume_source.h"
 #include "converters/import/mesh_file.h"
 #include "format/chunk_reader.h"
 #include "format/tag_reader.h"
@@ -57,11 +58,12 @@ std::string file_text(nlohmann::ordered_json info) {
 int tell_mesh(const InfoCommand& command, const Console& console) {
   ProgressBar bar(!console.quiet());
   MeshReadReport report;
-  const Result<TriangleMesh> mesh = read_mesh_file(command.input, {}, &report, &bar.progress());
-  if (!mesh) {
+  const Result<PaintedMesh> painted = read_painted_mesh(command.input, {}, &report, &bar.progress());
+  if (!painted) {
     bar.finish();
-    return console.fail(mesh.error(), command.input);
+    return console.fail(painted.error(), command.input);
   }
+  const TriangleMesh* const mesh = &painted->mesh;
   DiagnoseOptions options;
   options.depth = DiagnosisDepth::kGeometry;
   options.threads = command.common.threads;
@@ -76,9 +78,14 @@ int tell_mesh(const InfoCommand& command, const Console& console) {
   info["dropped_faces"] = report.dropped_faces;
   info["vertices"] = mesh->vertices.size();
   info["vertex_colors"] = report.vertex_colors;
+  info["face_colors"] = !painted->paint.face_colors.empty();
+  info["materials"] = painted->paint.materials.size();
+  info["textures"] = painted->paint.images.size();
   info["box"]["min"] = to_array(box.min);
   info["box"]["max"] = to_array(box.max);
   info["volume"] = diagnosis.closed() ? nlohmann::ordered_json(signed_volume(*mesh)) : nullptr;
+  for (const MeshWarning& warning : report.warnings)
+    info["warnings"].push_back({{"id", warning.id}, {"text", warning.text}});
   nlohmann::ordered_json found = diagnosis_json(diagnosis);
   if (console.json()) {
     info["diagnosis"] = std::move(found);
@@ -90,6 +97,15 @@ int tell_mesh(const InfoCommand& command, const Console& console) {
   std::string text = info_text(info);
   for (const MeshFinding& finding : findings(diagnosis)) text += describe(finding) + "\n";
   return console.finish(text);
+}
+
+/// The grids of a volume.
+int tell_volume(const InfoCommand& command, const Console& console) {
+  ProgressBar bar(!console.quiet());
+  const Result<nlohmann::ordered_json> info = describe_volume(command.input, bar.progress());
+  bar.finish();
+  if (!info) return console.fail(info.error(), command.input);
+  return console.finish(console.json() ? json_text(*info) : info_text(*info));
 }
 
 std::string_view tag_name(Tag tag) {
@@ -139,6 +155,7 @@ int tell_tile(const InfoCommand& command, const Console& console) {
 int run_info(const InfoCommand& command) {
   const Console console(command.common);
   if (!command.tile.empty()) return tell_tile(command, console);
+  if (is_volume_input(command.input)) return tell_volume(command, console);
   if (is_readable_mesh(command.input)) return tell_mesh(command, console);
   const Result<AssetFile> file = read_whole_asset_file(command.input);
   if (!file) return console.fail(file.error(), command.input);

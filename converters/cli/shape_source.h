@@ -2,10 +2,13 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "converters/cli/commands.h"
 #include "converters/cli/console.h"
 #include "format/cell_object.h"
+#include "format/text_chunk.h"
 #include "sdk/author/cell_object.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
@@ -22,14 +25,29 @@ class ShapeSource {
                                                 AuthorReport& report, const Progress& progress) const = 0;
   /// The surface of the shape, metres; no triangles if it has none but the cells'.
   [[nodiscard]] virtual const TriangleMesh& surface() const = 0;
+  /// What the asset's metadata says of it, beside how it was filled. See is_shape_key().
+  [[nodiscard]] virtual Metadata metadata() const { return {}; }
+  /// Whether instance_colors() is in vain, as far as can be told before the work. Errors: kUsage.
+  [[nodiscard]] virtual Status check_colors() const { return {}; }
+  /// The shape's own colors of the INSIDE instances of an object that it filled, in the order of
+  /// CellObject::instance_colors. Errors: kUsage (it has no colors), those of make_instance_colors().
+  [[nodiscard]] virtual Result<std::vector<Rgb8>> instance_colors(const CellObject& object, unsigned threads,
+                                                                  const Progress* progress) const;
 };
+
+/// A mesh as a shape, and what the metadata says of it.
+[[nodiscard]] std::unique_ptr<ShapeSource> make_mesh_shape(TriangleMesh mesh, Metadata metadata);
 
 /// The tile that an input shows alone, as for --tile; none if the input is a shape to be filled.
 [[nodiscard]] std::optional<std::string> tile_of_input(const std::string& input);
 
-/// Reads the input of `convert`; remarks are added to `warnings`. Untrusted input: safe.
-[[nodiscard]] std::optional<Failure> read_shape(const std::string& input, const Progress& progress,
+/// Reads or makes the input of `convert`, by what the file holds; remarks are added to `warnings`. Untrusted
+/// input: safe.
+[[nodiscard]] std::optional<Failure> read_shape(const ConvertCommand& command, const Progress& progress,
                                                 std::unique_ptr<ShapeSource>& shape,
                                                 std::vector<Warning>& warnings);
+
+/// Whether ShapeSource::metadata() may have that key, so that --meta may not.
+[[nodiscard]] bool is_shape_key(std::string_view key);
 
 }  // namespace mesocell

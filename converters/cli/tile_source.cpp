@@ -7,9 +7,11 @@
 
 #include "converters/cli/commands.h"
 #include "converters/cli/representations.h"
+#include "converters/import/height_file.h"
 #include "converters/import/mesh_file.h"
 #include "converters/import/volume_file.h"
 #include "format/cell_object_io.h"
+#include "sdk/author/height_field.h"
 #include "sdk/author/mesh_tile.h"
 #include "sdk/tiles/tile_spec.h"
 
@@ -58,6 +60,32 @@ Result<TileMap> import_labels(const Import& import, TileReport& report) {
                          &import.progress);
 }
 
+Result<TileMap> import_heights(const Import& import, TileReport& report) {
+  HeightTileOptions options;
+  const auto resolution = resolution_option(import.recipe, "resolution", options.resolution, 4, 1024);
+  if (!resolution) return resolution.error();
+  options.resolution = *resolution;
+  const auto gap = number_option(import.recipe, "gap", options.gap, 0, 1);
+  if (!gap) return gap.error();
+  options.gap = *gap;
+  const auto top = number_option(import.recipe, "top", options.high, 1e-3, 1000);
+  if (!top) return top.error();
+  options.high = *top;
+  const auto up = choice_option(import.recipe, "up", {"white", "black"});
+  if (!up) return up.error();
+  Result<HeightSamples> samples = read_height_file(import.file, {}, &import.progress);
+  if (!samples) return samples.error();
+  const HeightField field{.width = samples->width,
+                          .depth = samples->depth,
+                          .samples = std::move(samples->samples),
+                          .spacing = 1,
+                          .scale = *up == 1 ? -1.0 : 1.0};
+  const Result<LabelVolume> labels = height_labels(field, options);
+  if (!labels) return labels.error();
+  return make_label_tile(*labels, import.options.percolating, import.options.threads, &report,
+                         &import.progress);
+}
+
 struct Importer {
   std::string_view name, help;
   std::array<std::string_view, 5> options;  ///< the rest empty
@@ -80,6 +108,14 @@ constexpr Importer kImporters[] = {
      "    resolution=WxHxD is needed for .raw alone; --percolating says what is done with a cell that\n"
      "    meets its own copy through the border",
      import_labels},
+    {"heights",
+     "a picture that tiles, as a layer of cells: what hangs together above the gap is a cell",
+     {"file", "resolution", "gap", "top", "up"},
+     "heights:file=bricks.png,resolution=64x16x64,gap=0.3\n"
+     "    gap: columns below that share of the heights' range are empty [0]; top: the share that the tile's "
+     "upper\n"
+     "    border is at [1.25]; up=white|black [white]; y is up [64x32x64]",
+     import_heights},
 };
 
 std::string names_of_tiles() {
@@ -146,7 +182,9 @@ Result<TileSource> parse_tile_source(const std::string& text, std::string option
   return source;
 }
 
-bool reads_labels(const TileSource& source) { return source.saved.empty() && source.recipe.name == "labels"; }
+bool reads_labels(const TileSource& source) {
+  return source.saved.empty() && (source.recipe.name == "labels" || source.recipe.name == "heights");
+}
 
 std::optional<Failure> make_sourced_tile(const TileSource& source, const TileSourceOptions& options,
                                          const Progress& progress, SourcedTile& tile) {

@@ -2,32 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <string>
+#include <utility>
+#include <vector>
 
 #include "converters/export/draco_encoder.h"
-#include "converters/worker/worker.h"
+#include "converters/import/gltf_file.h"
 
 namespace mesocell {
 namespace {
-
-Error not_a_mesh(const std::string& why) {
-  return Error{ErrorCode::kInvalidInput, "the basic mesh in the file cannot be decoded (" + why +
-                                             "); convert again from the mesh itself"};
-}
 
 /// No less than `x`.
 float round_up(double x) {
   const auto f = float(x);
   return double(f) >= x ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
-}
-
-std::uint32_t u32_at(std::span<const std::byte> bytes, std::uint64_t at) {
-  std::uint32_t v = 0;
-  for (std::size_t k = 0; k < 4; ++k)
-    v |= std::to_integer<std::uint32_t>(bytes[std::size_t(at) + k]) << (8 * k);
-  return v;
 }
 
 }  // namespace
@@ -104,48 +92,15 @@ Result<BasicMesh> compress_basic_mesh(const TriangleMesh& mesh, int position_bit
 }
 
 Result<TriangleMesh> read_basic_mesh(const BasicMesh& mesh, const Progress* progress) {
-  WorkerLimits limits;
-  // A mesh of as many vertices and triangles as stated, and no more; with some room for what frames it.
-  limits.max_reply_bytes = 76 + 15 * std::uint64_t{mesh.vertices} + 12 * std::uint64_t{mesh.triangles};
-  const Result<std::vector<std::byte>> reply =
-      run_worker("mesocell_draco_worker", mesh.draco, "the basic mesh", limits, progress);
-  if (!reply) return reply.error();
-  Result<TriangleMesh> out = parse_decoded_mesh(*reply);
-  if (out.ok() && (out->vertices.size() != mesh.vertices || out->triangles.size() != mesh.triangles))
-    return not_a_mesh("it has other numbers of vertices and triangles than stated");
-  return out;
-}
-
-Result<TriangleMesh> parse_decoded_mesh(std::span<const std::byte> reply) {
-  if (reply.size() < 12) return not_a_mesh("the decoder's reply is cut short");
-  const std::uint64_t vertices = u32_at(reply, 0), triangles = u32_at(reply, 4);
-  const std::uint32_t flags = u32_at(reply, 8);
-  const bool colors = flags & 1;
-  if (flags > 1 || reply.size() != 12 + 12 * vertices + 12 * triangles + (colors ? 3 * vertices : 0))
-    return not_a_mesh("the decoder's reply has another size than it should");
-  TriangleMesh mesh;
-  mesh.vertices.resize(std::size_t(vertices));
-  std::uint64_t at = 12;
-  for (Vec3& v : mesh.vertices)
-    for (std::size_t a = 0; a < 3; ++a, at += 4) {
-      const std::uint32_t bits = u32_at(reply, at);
-      float x = 0;
-      std::memcpy(&x, &bits, sizeof x);
-      if (!std::isfinite(x)) return not_a_mesh("a coordinate is no number");
-      v[a] = x;
-    }
-  mesh.triangles.resize(std::size_t(triangles));
-  for (Triangle& t : mesh.triangles)
-    for (std::uint32_t& corner : t) {
-      corner = u32_at(reply, at);
-      at += 4;
-      if (corner >= vertices) return not_a_mesh("a triangle has a vertex that there is not");
-    }
-  if (!colors) return mesh;
-  mesh.colors.resize(mesh.vertices.size());
-  for (Rgb8& c : mesh.colors)
-    for (std::uint8_t& channel : c) channel = std::to_integer<std::uint8_t>(reply[std::size_t(at++)]);
-  return mesh;
+  Result<WorkerMesh> read = read_draco(mesh.draco, progress);
+  if (!read) return read.error();
+  TriangleMesh& out = read->painted.mesh;
+  if (out.vertices.size() != mesh.vertices || out.triangles.size() + read->dropped_faces != mesh.triangles)
+    return Error{
+        ErrorCode::kInvalidInput,
+        "the basic mesh in the file has other numbers of vertices and triangles than stated; convert "
+        "again from the mesh itself"};
+  return std::move(out);
 }
 
 }  // namespace mesocell

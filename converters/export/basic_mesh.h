@@ -1,9 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <span>
-#include <vector>
-
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
@@ -20,14 +16,5 @@ namespace mesocell {
 /// The mesh again, decoded by a worker. Untrusted input: safe. Errors: kInvalidInput (it is no Draco mesh, or
 /// not of as many vertices and triangles as stated), kLimit, kCancelled, kOutput (the worker is not there).
 [[nodiscard]] Result<TriangleMesh> read_basic_mesh(const BasicMesh& mesh, const Progress* progress = nullptr);
-
-/// What the worker does: from a Draco bitstream to numbers of vertices and triangles, u32 each, flags, u32,
-/// of which bit 0 says that there are colors, positions, f32[3] each, triangles, u32[3] each, and colors,
-/// u8[3] each; little-endian. Draco is not made for untrusted bytes: call it in a worker alone. Errors:
-/// kInvalidInput, kLimit.
-[[nodiscard]] Result<std::vector<std::byte>> decode_draco(std::span<const std::byte> bitstream);
-
-/// A mesh from what decode_draco() replied. Untrusted input: safe. Errors: kInvalidInput.
-[[nodiscard]] Result<TriangleMesh> parse_decoded_mesh(std::span<const std::byte> reply);
 
 }  // namespace mesocell

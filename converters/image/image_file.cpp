@@ -82,6 +82,7 @@ Status write_image_file(const std::string& path, const ImageView& image, const I
                                 image.width,
                                 image.height,
                                 std::uint32_t(image.channels.size()),
+                                1,
                                 format->type,
                                 names.data(),
                                 bytes.empty() ? static_cast<const void*>(image.pixels.data()) : bytes.data()};

@@ -1,8 +1,14 @@
 #include "converters/image/image_module.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -20,38 +26,126 @@
 
 namespace {
 
-/// Puts the picture's file into `bytes`. Empty if that was done.
-std::string encode(const MesocellImage& image, std::vector<unsigned char>& bytes) {
+OIIO::TypeDesc stored_type(MesocellPixelType type) {
+  using OIIO::TypeDesc;
+  switch (type) {
+    case kMesocellPixelUint8:
+    case kMesocellPixelData8:
+      return TypeDesc::UINT8;
+    case kMesocellPixelData16:
+      return TypeDesc::UINT16;
+    case kMesocellPixelData32:
+      return TypeDesc::UINT32;
+    default:
+      return TypeDesc::FLOAT;
+  }
+}
+
+OIIO::ImageSpec page_spec(const MesocellImage& image, uint32_t page) {
   using namespace OIIO;
-  Filesystem::IOVecOutput memory(bytes);
-  std::unique_ptr<ImageOutput> output = ImageOutput::create(image.format);
-  if (!output) return geterror();
-  if (!output->set_ioproxy(&memory)) return "this version of OpenImageIO cannot write it to memory";
-  const bool integers = image.type == kMesocellPixelUint8;
-  ImageSpec spec(int(image.width), int(image.height), int(image.channel_count),
-                 integers ? TypeDesc::UINT8 : TypeDesc::FLOAT);
+  ImageSpec spec(int(image.width), int(image.height), int(image.channel_count), stored_type(image.type));
   spec.channelnames.assign(image.channel_names, image.channel_names + image.channel_count);
   spec.alpha_channel = spec.z_channel = -1;
   for (int c = 0; c < spec.nchannels; ++c) {
     if (spec.channelnames[std::size_t(c)] == "A") spec.alpha_channel = c;
     if (spec.channelnames[std::size_t(c)] == "Z") spec.z_channel = c;
   }
-  if (integers) {
+  if (image.type == kMesocellPixelUint8) {
     spec["oiio:ColorSpace"] = "sRGB";
     spec["oiio:UnassociatedAlpha"] = 1;
-  } else {
+  }
+  if (std::string_view(image.format) != "png") {
     spec["compression"] = "zip";
     // Left to itself the library writes the time of day.
     spec["DateTime"] = "";
   }
-  if (!output->open(image.format, spec)) return output->geterror();
-  if (!output->write_image(spec.format, image.pixels)) {
-    const std::string error = output->geterror();
-    output->close();
-    return error;
+  if (image.page_count > 1) spec["oiio:subimagename"] = std::to_string(page);
+  return spec;
+}
+
+const void* page_pixels(const MesocellImage& image, const OIIO::ImageSpec& spec, uint32_t page) {
+  return static_cast<const char*>(image.pixels) + std::size_t{page} * std::size_t(spec.image_bytes(true));
+}
+
+/// Writes the pages; `name` is a file's if the library writes to one. Empty if that was done.
+std::string write_pages(OIIO::ImageOutput& output, const MesocellImage& image, const std::string& name) {
+  using namespace OIIO;
+  std::vector<ImageSpec> specs;
+  for (uint32_t page = 0; page < image.page_count; ++page) specs.push_back(page_spec(image, page));
+  // Parts of an OpenEXR file are made known at once, pages of a TIFF one by one.
+  const bool at_once = image.page_count > 1 && !output.supports("appendsubimage");
+  if (at_once && !output.open(name, int(image.page_count), specs.data())) return output.geterror();
+  for (uint32_t page = 0; page < image.page_count; ++page) {
+    const ImageSpec& spec = specs[page];
+    const auto mode = page == 0 ? ImageOutput::Create : ImageOutput::AppendSubimage;
+    if (!(at_once && page == 0) && !output.open(name, spec, mode)) return output.geterror();
+    if (!output.write_image(spec.format, page_pixels(image, spec, page))) {
+      const std::string error = output.geterror();
+      output.close();
+      return error;
+    }
   }
-  if (!output->close()) return output->geterror();
+  if (!output.close()) return output.geterror();
   return {};
+}
+
+/// A file without a name, for what the library cannot write to memory.
+class ScratchFile {
+ public:
+  ScratchFile() {
+    name_ = (std::filesystem::temp_directory_path() / "mesocell-XXXXXX").string();
+    descriptor_ = mkstemp(name_.data());
+  }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  ~ScratchFile() {
+    if (descriptor_ < 0) return;
+    close(descriptor_);
+    unlink(name_.c_str());
+  }
+  [[nodiscard]] bool ok() const { return descriptor_ >= 0; }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] bool read(std::vector<unsigned char>& bytes) const {
+    std::ifstream file(name_, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(file), {});
+    return file.good() || file.eof();
+  }
+
+ private:
+  std::string name_;
+  int descriptor_ = -1;
+};
+
+/// Whether the last part of a file can be read: the library does not look whether its last bytes found room.
+std::string check_last_part(const MesocellImage& image, const std::string& name) {
+  using namespace OIIO;
+  const std::unique_ptr<ImageInput> input = ImageInput::create(image.format);
+  ImageSpec spec;
+  if (!input || !input->open(name, spec)) return "what was written cannot be read";
+  std::vector<char> row(std::size_t(spec.scanline_bytes(true)));
+  if (!input->seek_subimage(int(image.page_count) - 1, 0) ||
+      !input->read_native_scanline(int(image.page_count) - 1, 0, int(image.height) - 1, 0, row.data()))
+    return "the disk of the folder for temporary files is full";
+  return {};
+}
+
+/// Puts the picture's file into `bytes`. Empty if that was done.
+std::string encode(const MesocellImage& image, std::vector<unsigned char>& bytes) {
+  using namespace OIIO;
+  std::unique_ptr<ImageOutput> output = ImageOutput::create(image.format);
+  if (!output) return geterror();
+  if (image.page_count > 1 && !output->supports("multiimage")) return "the format holds one picture";
+  // Of several pages the library writes none to memory, or the last alone, and does not say so.
+  if (image.page_count > 1) {
+    const ScratchFile file;
+    if (!file.ok()) return "no temporary file can be made";
+    if (const std::string error = write_pages(*output, image, file.name()); !error.empty()) return error;
+    if (const std::string error = check_last_part(image, file.name()); !error.empty()) return error;
+    return file.read(bytes) ? std::string() : "what was written cannot be read";
+  }
+  Filesystem::IOVecOutput memory(bytes);
+  if (!output->set_ioproxy(&memory)) return "this version of OpenImageIO cannot write it to memory";
+  return write_pages(*output, image, image.format);
 }
 
 /// Whether the values of a file stand for light as in sRGB. Formats of floats are linear.
@@ -142,7 +236,7 @@ bool is_exact(const OIIO::ImageSpec& spec, std::string_view format) {
   // Read as floats, integers among the channels would be scaled.
   for (const OIIO::TypeDesc& type : spec.channelformats)
     if (!type.is_floating_point()) return false;
-  if (format != "openexr") return format != "hdr";
+  if (format != "openexr") return format != "hdr" && format != "jpeg";
   const std::string compression(spec.get_string_attribute("compression"));
   for (const char* lossless : {"none", "rle", "zip", "zips", "piz"})
     if (compression == lossless) return true;
@@ -170,6 +264,34 @@ bool widen(const std::vector<char>& from, uint32_t* to) {
     to[i] = uint32_t(value);
   }
   return true;
+}
+
+template <typename T>
+void to_floats(const std::vector<char>& from, float* to) {
+  for (std::size_t i = 0; i < from.size() / sizeof(T); ++i) {
+    T value;
+    std::memcpy(&value, from.data() + i * sizeof(T), sizeof(T));
+    to[i] = float(value);
+  }
+}
+
+/// Integers as floats of the same value: the library's own conversion scales them.
+void to_floats_as(OIIO::TypeDesc type, const std::vector<char>& from, float* to) {
+  using OIIO::TypeDesc;
+  switch (type.basetype) {
+    case TypeDesc::UINT8:
+      return to_floats<uint8_t>(from, to);
+    case TypeDesc::INT8:
+      return to_floats<int8_t>(from, to);
+    case TypeDesc::UINT16:
+      return to_floats<uint16_t>(from, to);
+    case TypeDesc::INT16:
+      return to_floats<int16_t>(from, to);
+    case TypeDesc::UINT32:
+      return to_floats<uint32_t>(from, to);
+    default:
+      return to_floats<int32_t>(from, to);
+  }
 }
 
 bool widen_as(OIIO::TypeDesc type, const std::vector<char>& from, uint32_t* to) {
@@ -215,6 +337,7 @@ MesocellReadStatus read_pages(const PagesRequest& request, std::string& error) {
   if (!tiles_fit(first, request.max_bytes)) return kMesocellReadRefused;
   const TypeDesc stored = first.format;
   const bool mixed = !first.channelformats.empty(), is_float = mixed || stored.is_floating_point();
+  const bool as_floats = request.reader->as_floats != 0;
   if (!is_float && stored.size() > sizeof(uint32_t)) return failed("its integers have more than 32 bits");
   if (input->seek_subimage(int(request.page_count), 0))
     return failed("it has more than " + std::to_string(request.page_count) + " pages or parts");
@@ -223,7 +346,7 @@ MesocellReadStatus read_pages(const PagesRequest& request, std::string& error) {
   const MesocellPagesHeader header{uint32_t(first.width),
                                    uint32_t(first.height),
                                    uint32_t(first.nchannels),
-                                   is_float ? kMesocellSampleFloat : kMesocellSampleUint,
+                                   is_float || as_floats ? kMesocellSampleFloat : kMesocellSampleUint,
                                    is_float ? 0u : uint32_t(8 * stored.size()) - uint32_t(stored.is_signed()),
                                    is_srgb(first) ? 1u : 0u,
                                    is_exact(first, request.format) ? 1u : 0u,
@@ -245,7 +368,9 @@ MesocellReadStatus read_pages(const PagesRequest& request, std::string& error) {
       return page_failed(input->geterror());
     if (is_float && !mixed && !convert_types(stored, native.data(), TypeDesc::FLOAT, room, int(samples)))
       return page_failed("its kind of floats is not known");
-    if (!is_float && !widen_as(stored, native, static_cast<uint32_t*>(room)))
+    if (!is_float && as_floats)
+      to_floats_as(stored, native, static_cast<float*>(room));
+    else if (!is_float && !widen_as(stored, native, static_cast<uint32_t*>(room)))
       return page_failed("a value is negative");
     if (request.reader->take(request.reader->context, page) != 0) return kMesocellReadRefused;
   }

@@ -11,12 +11,17 @@ extern "C" {
 enum MesocellPixelType : uint32_t {
   kMesocellPixelUint8 = 0,  ///< sRGB, alpha unassociated
   kMesocellPixelFloat = 1,  ///< linear
+  // Numbers that are no colors, as they are.
+  kMesocellPixelData8 = 2,
+  kMesocellPixelData16 = 3,
+  kMesocellPixelData32 = 4,
 };
 
-/// A picture to be encoded: rows from the top, channels interleaved.
+/// A picture to be encoded: rows from the top, channels interleaved, page after page.
 struct MesocellImage {
-  const char* format;  ///< "png" or "openexr"
+  const char* format;  ///< "png" (8 and 16 bits), "openexr" (floats) or "tiff"
   uint32_t width, height, channel_count;
+  uint32_t page_count;  ///< 1 in a PNG; parts of an OpenEXR file are named 0, 1, …
   MesocellPixelType type;
   const char* const* channel_names;
   const void* pixels;
@@ -63,7 +68,7 @@ enum MesocellSampleType : uint32_t {
 struct MesocellPagesHeader {
   uint32_t width, height, channel_count;
   MesocellSampleType type;
-  uint32_t bits;   ///< of an integer: 8, 16 or 32, its sign not counted; 0 of a float
+  uint32_t bits;   ///< of an integer in the file: 8, 16 or 32, its sign not counted; 0 of a float
   uint32_t srgb;   ///< 1: values are in sRGB, not linear
   uint32_t exact;  ///< 1: values are those that were stored, not what a lossy compression left of them
   const char* const* channel_names;
@@ -72,6 +77,9 @@ struct MesocellPagesHeader {
 /// Who reads pages. Both functions throw nothing.
 struct MesocellPageReader {
   void* context;
+  /// 1: integers, too, are given as floats, as they stand in the file and not scaled, so exact to 24 bits;
+  /// they may be negative.
+  uint32_t as_floats;
   /// Called once, first. Returns room for one page: width × height × channel_count samples of 4 bytes, rows
   /// from the top, channels interleaved; or null to refuse.
   void* (*make_room)(void* context, const MesocellPagesHeader* header);
@@ -80,16 +88,16 @@ struct MesocellPageReader {
   int (*take)(void* context, uint32_t page);
 };
 
-/// Reads the pages of a picture of a given format ("png", "openexr", "hdr", "tiff") and no other, with
-/// samples as they are in the file. It must have `page_count` of them, all alike. Integers with a sign must
-/// not be negative. Nothing of the pixels' size is allocated before make_room is asked. A file whose pages
-/// are of tiles over `max_bytes` is refused. Returns a MesocellReadStatus, a message as above. Throws
+/// Reads the pages of a picture of a given format ("png", "openexr", "hdr", "tiff", "jpeg") and no other,
+/// with samples as they are in the file. It must have `page_count` of them, all alike. Integers with a sign
+/// must not be negative. Nothing of the pixels' size is allocated before make_room is asked. A file whose
+/// pages are of tiles over `max_bytes` is refused. Returns a MesocellReadStatus, a message as above. Throws
 /// nothing. Of a TIFF the caller checks the directory: the library misreads some kinds without a word.
 typedef int (*MesocellReadPages)(const char* path, const char* format, uint32_t page_count,
                                  uint64_t max_bytes, const MesocellPageReader* reader, char* message,
                                  size_t message_bytes);
 
 /// Changes whenever this header does; a module of another version is not used.
-#define MESOCELL_IMAGE_MODULE_VERSION 4u
+#define MESOCELL_IMAGE_MODULE_VERSION 5u
 typedef uint32_t (*MesocellImageModuleVersion)(void);
 }

@@ -62,7 +62,7 @@ Status read_pages(const std::string& path, const char* format, std::uint32_t pag
   const Result<ImageModule>& module = image_module();
   if (!module) return Error{ErrorCode::kUnreadable, module.error().message};
   Reading reading{&sink};
-  const MesocellPageReader reader{&reading, make_room, take};
+  const MesocellPageReader reader{&reading, sink.as_floats ? 1u : 0u, make_room, take};
   std::array<char, 512> message{};
   const int status = module->read_pages(path.c_str(), format, page_count, kMaxTileBytes, &reader,
                                         message.data(), message.size());

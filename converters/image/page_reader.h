@@ -17,7 +17,7 @@ struct PageHeader {
   std::uint32_t width = 0, height = 0;
   std::vector<std::string> channels;  ///< their names: "R", "G", "B", "A", "Y"
   bool is_float = false;
-  std::uint32_t bits = 0;  ///< of an integer: 8, 16 or 32, its sign not counted; 0 of a float
+  std::uint32_t bits = 0;  ///< of an integer in the file: 8, 16 or 32, its sign not counted; 0 of a float
   ImageEncoding encoding = ImageEncoding::kLinear;
   bool exact = false;  ///< values are those that were stored, not what a lossy compression left of them
 };
@@ -31,13 +31,16 @@ using PageSamples = std::span<const std::uint32_t>;
 struct PageSink {
   std::function<Status(const PageHeader&)> begin;
   std::function<Status(std::uint32_t page, PageSamples samples)> take;
+  /// Whether integers are wanted as floats of the same value, exact to 24 bits; only then may they be
+  /// negative.
+  bool as_floats = false;
 };
 
 /// Reads a picture with samples as they are in the file. `format` is the image library's name for what the
-/// file was found to be: "png", "tiff", "openexr" or "hdr"; no other is tried. It must have `page_count`
-/// pages or parts. Untrusted input: safe for a TIFF only after check_tiff(); the decoders are those of the
-/// image library. Errors: kUnreadable (the image module cannot be loaded), kInvalidInput, kLimit (no memory,
-/// large tiles), the sink's.
+/// file was found to be: "png", "tiff", "openexr", "hdr" or "jpeg"; no other is tried. It must have
+/// `page_count` pages or parts. Untrusted input: safe for a TIFF only after check_tiff(); the decoders are
+/// those of the image library. Errors: kUnreadable (the image module cannot be loaded), kInvalidInput, kLimit
+/// (no memory, large tiles), the sink's.
 [[nodiscard]] Status read_pages(const std::string& path, const char* format, std::uint32_t page_count,
                                 const PageSink& sink);
 

@@ -6,7 +6,7 @@
 namespace mesocell {
 
 /// Cuts a polygon into a fan about its first corner. Triangles with two equal corners enclose nothing and are
-/// counted in `dropped`. Calls `emit(a, b, c)` for the others.
+/// counted in `dropped`. Calls `emit(a, b, c, i)` for the others, which are of the corners 0, i - 1 and i.
 template <typename Emit>
 void cut_into_fan(const std::vector<std::uint32_t>& polygon, std::uint64_t& dropped, Emit emit) {
   for (std::size_t i = 2; i < polygon.size(); ++i) {
@@ -14,7 +14,7 @@ void cut_into_fan(const std::vector<std::uint32_t>& polygon, std::uint64_t& drop
     if (a == b || b == c || c == a)
       ++dropped;
     else
-      emit(a, b, c);
+      emit(a, b, c, i);
   }
 }
 

@@ -1,59 +1,22 @@
 #include "converters/import/mesh_file.h"
 
-#include <algorithm>
 #include <array>
 #include <cfloat>
-#include <filesystem>
+#include <span>
 #include <string_view>
 #include <utility>
 
+#include "converters/image/extension.h"
+#include "converters/import/gltf_file.h"
+#include "converters/import/mesh_format.h"
+#include "converters/import/mesh_materials.h"
 #include "converters/import/mesh_text.h"
 #include "converters/import/openmesh_reader.h"
+#include "converters/import/plain_file.h"
 #include "converters/import/plain_mesh.h"
-#include "converters/import/sniff.h"
-#include "format/file.h"
 
 namespace mesocell {
 namespace {
-
-/// One row a format.
-struct MeshFormat {
-  std::string_view extension, name,
-      content;  ///< `content` as sniff_content() calls it, empty if it has no mark
-  Result<PlainMesh> (*plain)(std::string_view, const Progress*);
-};
-
-constexpr std::array<MeshFormat, 4> kFormats = {{
-    {".obj", "OBJ", "", plain_obj},
-    {".off", "OFF", "an OFF mesh", plain_off},
-    {".ply", "PLY", "a PLY mesh", plain_ply},
-    {".stl", "STL", "", plain_stl},
-}};
-
-const MeshFormat* find_format(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
-  for (const MeshFormat& format : kFormats)
-    if (format.extension == extension) return &format;
-  return nullptr;
-}
-
-/// A FIFO or a device would be waited for or never end, so only plain files are read.
-Status check_is_file(const std::string& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found)
-    return Error{ErrorCode::kUnreadable, "there is no such file; check the name"};
-  if (status.type() == std::filesystem::file_type::directory)
-    return Error{ErrorCode::kUnreadable, "it is a folder; name a mesh file in it"};
-  if (error)
-    return Error{ErrorCode::kUnreadable,
-                 "it cannot be reached (" + error.message() + "); check its permissions"};
-  if (status.type() != std::filesystem::file_type::regular)
-    return Error{ErrorCode::kUnreadable, "it is not a regular file; copy its content into one"};
-  return {};
-}
 
 /// Whether a position and the library's reading of it are the same number, but for its precision.
 bool agrees(const Vec3& position, const std::array<float, 3>& point) {
@@ -93,7 +56,7 @@ Status check_mesh(TriangleMesh& mesh, std::uint64_t polygons, const MeshFormat& 
                             ? "the mesh has no triangles; a closed surface is needed"
                             : "the mesh has no triangles but those with two equal corners; repair the mesh");
   // OBJ counts from 1: the message names the vertex as the file does.
-  const std::size_t first = format.extension == ".obj" ? 1 : 0;
+  const std::size_t first = format.kind == MeshKind::kObj ? 1 : 0;
   for (const Triangle& triangle : mesh.triangles)
     for (const std::uint32_t v : triangle)
       if (!is_finite(mesh.vertices[v]))
@@ -104,42 +67,100 @@ Status check_mesh(TriangleMesh& mesh, std::uint64_t polygons, const MeshFormat& 
   return {};
 }
 
-}  // namespace
-
-bool is_readable_mesh(const std::string& path) { return find_format(path) != nullptr; }
-
-Result<TriangleMesh> read_mesh_file(const std::string& path, const MeshReadOptions& options,
-                                    MeshReadReport* report, const Progress* progress) {
-  const MeshFormat* format = find_format(path);
-  if (Status status = check_is_file(path); !status) return status.error();
-  if (!format)
-    return invalid_mesh(std::string("its extension is not one of a mesh that can be read; use ") +
+/// The format of a file: its content's, if that shows one, else its name's.
+Result<const MeshFormat*> choose_format(const std::string& path, std::string_view bytes,
+                                        std::vector<MeshWarning>& warnings) {
+  const MeshFormat* named = format_by_extension(path);
+  std::string_view other;
+  const MeshFormat* found = format_by_content(bytes, other);
+  if (!found && !other.empty())
+    return invalid_mesh("the file is " + std::string(other) +
+                        ", not a mesh; give it its proper extension, or " + "convert it to one of " +
                         kMeshExtensions);
-  const Result<std::vector<std::byte>> file = read_file(path, options.max_file_bytes);
-  if (!file) return file.error();
-  const std::string_view bytes(reinterpret_cast<const char*>(file->data()), file->size());
-  if (bytes.empty()) return invalid_mesh("the file is empty; fetch or export it again");
-  const std::string_view content = sniff_content(bytes);
-  if (!content.empty() && content != format->content)
-    return invalid_mesh("the file is " + std::string(content) + ", not an " + std::string(format->name) +
-                        " mesh; give it its proper extension, or convert it to one of " + kMeshExtensions);
+  if (!found && !named)
+    return invalid_mesh(
+        std::string("neither its content nor its extension is one of a mesh that can be read; use ") +
+        kMeshExtensions);
+  if (!found) return named;
+  const std::string extension = lower_extension(path);
+  if (found != named)
+    warnings.push_back({"renamed", "the file is " + std::string(found->name) + ", though its name ends in " +
+                                       (extension.empty() ? "nothing that says so" : extension) +
+                                       "; it was read as " + std::string(found->name)});
+  return found;
+}
 
-  Result<PlainMesh> plain = format->plain(bytes, progress);
+/// Reads what mesocell_mesh_worker knows.
+Result<PaintedMesh> read_by_worker(const MeshFormat& format, std::span<const std::byte> bytes,
+                                   const std::string& path, const MeshReadOptions& options,
+                                   const Progress* progress, MeshReadReport& found) {
+  Result<WorkerMesh> read = format.kind == MeshKind::kDraco
+                                ? read_draco(bytes, progress)
+                                : read_gltf(bytes, path, options.max_file_bytes, progress);
+  if (!read) return read.error();
+  found.polygons = read->polygons;
+  found.dropped_faces = read->dropped_faces;
+  found.warnings.insert(found.warnings.end(), read->warnings.begin(), read->warnings.end());
+  return std::move(read->painted);
+}
+
+/// Reads a file that is checked in full before OpenMesh sees it.
+Result<PaintedMesh> read_plain(const MeshFormat& format, std::string_view bytes, const std::string& path,
+                               bool paint, const Progress* progress, MeshReadReport& found) {
+  Result<PlainMesh> plain = format.plain(bytes, progress);
   if (!plain) return plain.error();
-  MeshReadReport found;
-  found.format = format->name;
-  found.file_bytes = bytes.size();
   found.polygons = plain->polygons;
   found.dropped_faces = plain->dropped_faces;
-  found.vertex_colors = !plain->colors.empty();
+  found.warnings.insert(found.warnings.end(), plain->warnings.begin(), plain->warnings.end());
   Result<LibraryMesh> library = read_with_openmesh(*plain, progress);
   if (!library) return library.error();
   plain->bytes = {};
+  if (paint)
+    if (Status status = read_materials(path, *plain, found.warnings, progress); !status)
+      return status.error();
+  PaintedMesh painted;
+  painted.paint = std::move(plain->paint);
   Result<TriangleMesh> mesh = combine(std::move(*plain), std::move(*library));
-  if (!mesh) return mesh;
-  if (Status status = check_mesh(*mesh, found.polygons, *format); !status) return status.error();
-  if (report) *report = found;
-  return mesh;
+  if (!mesh) return mesh.error();
+  painted.mesh = std::move(*mesh);
+  return painted;
+}
+
+Result<PaintedMesh> read(const std::string& path, const MeshReadOptions& options, bool paint,
+                         MeshReadReport* report, const Progress* progress) {
+  const Result<std::vector<std::byte>> file = read_plain_file(path, options.max_file_bytes);
+  if (!file) return file.error();
+  const std::string_view bytes(reinterpret_cast<const char*>(file->data()), file->size());
+  if (bytes.empty()) return invalid_mesh("the file is empty; fetch or export it again");
+  MeshReadReport found;
+  const Result<const MeshFormat*> format = choose_format(path, bytes, found.warnings);
+  if (!format) return format.error();
+  found.format = (*format)->name;
+  found.file_bytes = bytes.size();
+  Result<PaintedMesh> painted = (*format)->plain
+                                    ? read_plain(**format, bytes, path, paint, progress, found)
+                                    : read_by_worker(**format, *file, path, options, progress, found);
+  if (!painted) return painted;
+  if (Status status = check_mesh(painted->mesh, found.polygons, **format); !status) return status.error();
+  found.vertex_colors = !painted->mesh.colors.empty();
+  if (report) *report = std::move(found);
+  return painted;
+}
+
+}  // namespace
+
+bool is_readable_mesh(const std::string& path) { return format_by_extension(path) != nullptr; }
+
+Result<PaintedMesh> read_painted_mesh(const std::string& path, const MeshReadOptions& options,
+                                      MeshReadReport* report, const Progress* progress) {
+  return read(path, options, true, report, progress);
+}
+
+Result<TriangleMesh> read_mesh_file(const std::string& path, const MeshReadOptions& options,
+                                    MeshReadReport* report, const Progress* progress) {
+  Result<PaintedMesh> painted = read(path, options, false, report, progress);
+  if (!painted) return painted.error();
+  return std::move(painted->mesh);
 }
 
 }  // namespace mesocell

@@ -28,6 +28,13 @@ inline std::string_view next_word(std::string_view& line) {
   return word;
 }
 
+/// The rest of a line without blanks around it, for names, which may hold some.
+inline std::string_view trimmed(std::string_view rest) {
+  while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
+  while (!rest.empty() && is_blank(rest.back())) rest.remove_suffix(1);
+  return rest;
+}
+
 /// Walks over the lines of a text; "\n", "\r\n" and "\r" end a line.
 class LineReader {
  public:

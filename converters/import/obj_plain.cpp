@@ -1,4 +1,6 @@
 #include <array>
+#include <cmath>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,10 +59,41 @@ Result<bool> read_vertex(std::string_view rest, std::uint64_t line, PlainMesh& m
   return true;
 }
 
-/// Reads the vertex indices of a face; texture and normal indices are passed over.
-Result<bool> read_face(std::string_view rest, std::uint64_t line, std::uint64_t seen, std::uint64_t total,
-                       std::vector<std::uint32_t>& polygon) {
+/// Texture coordinates begin at the lower left.
+Uv read_uv(std::string_view rest) {
+  double u = 0, v = 0;
+  const bool read = parse_number(next_word(rest), u) && (parse_number(next_word(rest), v) || true);
+  const float s = float(u), t = float(1 - v);
+  return read && std::isfinite(s) && std::isfinite(t) ? Uv{s, t} : Uv{0, 0};
+}
+
+/// What a face can refer to.
+struct Seen {
+  std::uint64_t vertices = 0, uvs = 0;  ///< before it
+  std::uint64_t all_vertices = 0;
+  const std::vector<Uv>& all_uvs;
+};
+
+/// The texture coordinates of a corner "v/vt/vn"; nothing if it has none, or some that are not there.
+std::optional<Uv> corner_uv(std::string_view word, const Seen& seen) {
+  const std::size_t slash = word.find('/');
+  if (slash == word.npos) return std::nullopt;
+  word.remove_prefix(slash + 1);
+  std::int64_t index = 0;
+  if (!parse_integer(word.substr(0, word.find('/')), index)) return std::nullopt;
+  const std::int64_t uv = index < 0 ? std::int64_t(seen.uvs) + index : index - 1;
+  if (index == 0 || uv < 0 || std::uint64_t(uv) >= seen.all_uvs.size()) return std::nullopt;
+  return seen.all_uvs[std::size_t(uv)];
+}
+
+/// Reads the vertices of a face and their texture coordinates; normals are passed over. `has_uvs`: all
+/// corners have some.
+Result<bool> read_face(std::string_view rest, std::uint64_t line, const Seen& at,
+                       std::vector<std::uint32_t>& polygon, std::vector<Uv>& uvs, bool& has_uvs) {
+  const std::uint64_t seen = at.vertices, total = at.all_vertices;
   polygon.clear();
+  uvs.clear();
+  has_uvs = true;
   for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
     std::int64_t index = 0;
     if (!parse_integer(word.substr(0, word.find('/')), index))
@@ -71,10 +104,37 @@ Result<bool> read_face(std::string_view rest, std::uint64_t line, std::uint64_t 
       return invalid_line(line, "a face uses vertex " + std::to_string(index) + ", but the file has " +
                                     std::to_string(total) + "; export the mesh again");
     polygon.push_back(std::uint32_t(vertex));
+    const std::optional<Uv> uv = corner_uv(word, at);
+    has_uvs = has_uvs && uv;
+    uvs.push_back(uv.value_or(Uv{0, 0}));
   }
   if (polygon.size() < 3) return invalid_line(line, "a face has fewer than three corners; repair the file");
   return true;
 }
+
+/// Which material the next faces have.
+class Materials {
+ public:
+  explicit Materials(PlainMesh& mesh) : mesh_(mesh) {}
+  void use(std::string_view name) {
+    const auto [place, is_new] = indices_.try_emplace(std::string(name), std::uint32_t(indices_.size()));
+    if (is_new) mesh_.materials.emplace_back(name);
+    now_ = place->second;
+    // Triangles before the first material have none.
+    fill_up(mesh_.paint.material_indices, mesh_.triangles, SurfacePaint::kNoMaterial);
+    used_ = true;
+  }
+  /// For a triangle.
+  void add() {
+    if (used_) mesh_.paint.material_indices.push_back(now_);
+  }
+
+ private:
+  PlainMesh& mesh_;
+  std::map<std::string, std::uint32_t> indices_;
+  std::uint32_t now_ = 0;
+  bool used_ = false;
+};
 
 }  // namespace
 
@@ -86,10 +146,14 @@ Result<PlainMesh> plain_obj(std::string_view bytes, const Progress* progress) {
   std::string_view statement;
 
   // Two passes, since faces may use vertices that come later.
+  std::vector<Uv> uvs;
   LineReader vertices(bytes);
   for (std::uint64_t n = 0; next_statement(vertices, joined, statement); ++n) {
     if (stop_at(progress, n)) return cancelled();
-    if (next_word(statement) != "v") continue;
+    const std::string_view key = next_word(statement);
+    if (key == "vt") uvs.push_back(read_uv(statement));
+    if (key == "mtllib") mesh.material_files.emplace_back(trimmed(statement));
+    if (key != "v") continue;
     if (mesh.positions.size() >= kMaxMeshElements)
       return invalid_mesh("the mesh has too many vertices; split it");
     const Result<bool> read = read_vertex(statement, vertices.number(), mesh);
@@ -97,21 +161,36 @@ Result<PlainMesh> plain_obj(std::string_view bytes, const Progress* progress) {
   }
   LineReader faces(bytes);
   std::vector<std::uint32_t> polygon;
-  std::uint64_t seen = 0;
+  std::vector<Uv> corner_uvs;
+  Materials materials(mesh);
+  Seen seen{0, 0, mesh.positions.size(), uvs};
+  std::uint64_t without_uvs = 0;
   for (std::uint64_t n = 0; next_statement(faces, joined, statement); ++n) {
     if (stop_at(progress, n)) return cancelled();
     const std::string_view key = next_word(statement);
-    if (key == "v") ++seen;
+    if (key == "v") ++seen.vertices;
+    if (key == "vt") ++seen.uvs;
+    if (key == "usemtl") materials.use(trimmed(statement));
     if (key != "f" && key != "fo") continue;
-    const Result<bool> read = read_face(statement, faces.number(), seen, mesh.positions.size(), polygon);
+    bool has_uvs = false;
+    const Result<bool> read = read_face(statement, faces.number(), seen, polygon, corner_uvs, has_uvs);
     if (!read) return read.error();
     ++mesh.polygons;
-    cut_into_fan(polygon, mesh.dropped_faces, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      mesh.bytes +=
-          "f " + std::to_string(a + 1) + ' ' + std::to_string(b + 1) + ' ' + std::to_string(c + 1) + '\n';
-      ++mesh.triangles;
-    });
+    if (!uvs.empty() && !has_uvs) ++without_uvs;
+    cut_into_fan(
+        polygon, mesh.dropped_faces, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::size_t i) {
+          mesh.bytes +=
+              "f " + std::to_string(a + 1) + ' ' + std::to_string(b + 1) + ' ' + std::to_string(c + 1) + '\n';
+          ++mesh.triangles;
+          materials.add();
+          if (!uvs.empty()) mesh.paint.uvs.push_back({corner_uvs[0], corner_uvs[i - 1], corner_uvs[i]});
+        });
   }
+  if (without_uvs > 0)
+    mesh.warnings.push_back(
+        {"uv-missing", std::to_string(without_uvs) +
+                           " faces have corners without texture coordinates, or with some "
+                           "that are not there; the picture's upper left is taken for them"});
   if (mesh.positions.empty() && mesh.polygons == 0)
     return invalid_mesh(
         "the file holds neither vertices nor faces, so it is not an OBJ mesh; check the file");

@@ -1,3 +1,5 @@
+#include "converters/import/off_plain.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +10,6 @@
 
 #include "converters/import/fan.h"
 #include "converters/import/mesh_text.h"
-#include "converters/import/plain_mesh.h"
 #include "converters/import/vertex_color.h"
 
 namespace mesocell {
@@ -31,6 +32,8 @@ class OffWords {
   /// The rest of the line, which is passed over.
   std::string_view rest_of_line() { return std::exchange(line_, {}); }
   [[nodiscard]] std::uint64_t number() const { return lines_.number(); }
+  /// Offset of the byte after the line of the last word.
+  [[nodiscard]] std::size_t offset() const { return lines_.offset(); }
 
  private:
   LineReader lines_;
@@ -43,11 +46,6 @@ Error ends_early(const char* what, std::uint64_t promised, std::uint64_t found) 
                       "; the file is cut off, fetch or export it again");
 }
 
-/// What follows the positions of the vertices.
-struct OffKind {
-  bool colors = false, normals = false;
-};
-
 /// Reads the keyword: [ST][C][N]OFF.
 Result<OffKind> read_keyword(OffWords& words) {
   std::string_view keyword = words.next();
@@ -57,30 +55,34 @@ Result<OffKind> read_keyword(OffWords& words) {
       return invalid_mesh(
           "the file has vertices that are not points in space (4OFF or nOFF); export it as OFF");
     if (keyword.find_first_not_of("STCN") == keyword.npos)
-      return OffKind{keyword.find('C') != keyword.npos, keyword.find('N') != keyword.npos};
+      return OffKind{keyword.find("ST") != keyword.npos, keyword.find('C') != keyword.npos,
+                     keyword.find('N') != keyword.npos};
   }
   return invalid_mesh("the file does not begin with OFF, so it is not an OFF mesh; check the file");
 }
 
-/// The colors of vertices. Whether they are whole numbers up to 255 or have a point and go up to 1 is not
-/// said in the file, and 1 may be either: all channels together tell.
+/// The colors of vertices, or of faces. Whether they are whole numbers up to 255 or have a point and go up to
+/// 1 is not said in the file, and 1 may be either: all channels together tell.
 class OffColors {
  public:
-  /// `rest`: of a vertex's line, after its position.
+  /// `rest`: of a line, after the position, or after the corners of a face. One number of a face is an index
+  /// into a table that is not in the file.
   void add(std::string_view rest, bool normals) {
     for (int k = 0; normals && k < 3; ++k) next_word(rest);
     std::array<double, 3> channels{};
-    bool numbers = true;
+    bool numbers = true, point = false, above = false;
     for (double& channel : channels) {
       const std::string_view word = next_word(rest);
       numbers = numbers && parse_number(word, channel);
-      has_point_ = has_point_ || (numbers && word.find_first_of(".eE") != word.npos);
-      above_one_ = above_one_ || (numbers && channel > 1);
+      point = point || word.find_first_of(".eE") != word.npos;
+      above = above || channel > 1;
     }
+    has_point_ = has_point_ || (numbers && point);
+    above_one_ = above_one_ || (numbers && above);
     if (!numbers) channels.fill(std::nan(""));
     channels_.push_back(channels);
   }
-  /// One a vertex; empty if no vertex has one.
+  /// One an add(); empty if there was none in any.
   [[nodiscard]] std::vector<Rgb8> take() const {
     const double full = above_one_ && !has_point_ ? 255 : 1;
     std::vector<Rgb8> colors;
@@ -125,6 +127,8 @@ Result<bool> read_vertices(OffWords& words, std::uint64_t count, OffKind kind, c
 Result<bool> read_faces(OffWords& words, std::uint64_t count, std::uint64_t most, const Progress* progress,
                         PlainMesh& mesh, std::string& text) {
   std::vector<std::uint32_t> polygon;
+  OffColors colors;
+  std::vector<std::uint32_t> face_of;  // by triangle
   for (std::uint64_t i = 0; i < count; ++i) {
     if (stop_at(progress, i)) return cancelled();
     const std::string_view size_word = words.next();
@@ -149,17 +153,48 @@ Result<bool> read_faces(OffWords& words, std::uint64_t count, std::uint64_t most
                                                 "; export the mesh again");
       polygon.push_back(std::uint32_t(vertex));
     }
-    words.rest_of_line();  // a color
+    colors.add(words.rest_of_line(), false);
     ++mesh.polygons;
-    cut_into_fan(polygon, mesh.dropped_faces, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      text += "3 " + std::to_string(a) + ' ' + std::to_string(b) + ' ' + std::to_string(c) + '\n';
-      ++mesh.triangles;
-    });
+    cut_into_fan(
+        polygon, mesh.dropped_faces, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::size_t) {
+          text += "3 " + std::to_string(a) + ' ' + std::to_string(b) + ' ' + std::to_string(c) + '\n';
+          ++mesh.triangles;
+          face_of.push_back(std::uint32_t(i));
+        });
   }
+  const std::vector<Rgb8> face_colors = colors.take();
+  if (face_colors.empty()) return true;
+  std::vector<Rgb8> triangle_colors;
+  for (const std::uint32_t face : face_of) triangle_colors.push_back(face_colors[face]);
+  keep_face_colors(mesh, std::move(triangle_colors));
   return true;
 }
 
 }  // namespace
+
+std::optional<Error> check_off_counts(std::uint64_t vertices, std::uint64_t faces, std::uint64_t bytes,
+                                      std::uint64_t vertex_bytes, std::uint64_t face_bytes) {
+  if (vertices <= bytes / vertex_bytes && faces <= bytes / face_bytes && vertices <= kMaxMeshElements &&
+      faces <= kMaxMeshElements)
+    return std::nullopt;
+  return invalid_mesh("the header promises " + std::to_string(vertices) + " vertices and " +
+                      std::to_string(faces) + " faces, more than a file of " + std::to_string(bytes) +
+                      " bytes can hold; the file is cut off or damaged, fetch or export it again");
+}
+
+void finish_off(PlainMesh& mesh, const std::string& faces) {
+  mesh.bytes = "OFF\n" + std::to_string(mesh.positions.size()) + ' ' + std::to_string(mesh.triangles) +
+               " 0\n" + mesh.bytes;
+  mesh.bytes += faces;
+}
+
+void keep_face_colors(PlainMesh& mesh, std::vector<Rgb8> colors) {
+  if (mesh.colors.empty())
+    mesh.paint.face_colors = std::move(colors);
+  else
+    mesh.warnings.push_back(
+        {"face-colors", "vertices and faces have colors; those of the vertices are taken"});
+}
 
 Result<PlainMesh> plain_off(std::string_view bytes, const Progress* progress) {
   OffWords words(bytes);
@@ -168,20 +203,14 @@ Result<PlainMesh> plain_off(std::string_view bytes, const Progress* progress) {
   std::array<std::int64_t, 3> counts{};
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string_view word = words.next();
-    if (i == 0 && word == "BINARY")
-      return invalid_mesh("the file is a binary OFF, which is not read; export it as text OFF or as PLY");
+    if (i == 0 && word == "BINARY") return plain_off_binary(bytes.substr(words.offset()), *kind, progress);
     if (!parse_integer(word, counts[i]) || counts[i] < 0)
       return invalid_mesh(
           "the numbers of vertices, faces and edges after OFF cannot be read; repair the file");
   }
   const std::uint64_t vertices = std::uint64_t(counts[0]), faces = std::uint64_t(counts[1]);
   // A vertex takes six bytes and a face two at the least: counts that the file cannot hold are refused here.
-  if (vertices > bytes.size() / 6 || faces > bytes.size() / 2 || vertices > kMaxMeshElements ||
-      faces > kMaxMeshElements)
-    return invalid_mesh("the header promises " + std::to_string(vertices) + " vertices and " +
-                        std::to_string(faces) + " faces, more than a file of " +
-                        std::to_string(bytes.size()) +
-                        " bytes can hold; the file is cut off or damaged, fetch or export it again");
+  if (auto error = check_off_counts(vertices, faces, bytes.size(), 6, 2)) return *error;
   PlainMesh mesh;
   mesh.extension = "off";
   mesh.positions.reserve(vertices);
@@ -190,9 +219,7 @@ Result<PlainMesh> plain_off(std::string_view bytes, const Progress* progress) {
   std::string face_text;
   const Result<bool> faces_read = read_faces(words, faces, bytes.size() / 2, progress, mesh, face_text);
   if (!faces_read) return faces_read.error();
-  mesh.bytes =
-      "OFF\n" + std::to_string(vertices) + ' ' + std::to_string(mesh.triangles) + " 0\n" + mesh.bytes;
-  mesh.bytes += face_text;
+  finish_off(mesh, face_text);
   return mesh;
 }
 

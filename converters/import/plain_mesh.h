@@ -5,10 +5,12 @@
 #include <string_view>
 #include <vector>
 
+#include "converters/import/mesh_warning.h"
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/vec.h"
+#include "sdk/surface/surface_paint.h"
 
 /// OpenMesh's readers trust their input: they hang on a PLY header without an end, abort on odd OBJ faces,
 /// open any file that an OBJ names as its material, drop vertices that are no numbers so that all later
@@ -27,7 +29,20 @@ struct PlainMesh {
   std::uint64_t triangles = 0;  ///< that the library must deliver
   std::uint64_t polygons = 0;
   std::uint64_t dropped_faces = 0;
+  /// Without materials and pictures, which stand in other files.
+  SurfacePaint paint;
+  std::vector<std::string> material_files;  ///< of an OBJ, as it names them
+  std::vector<std::string>
+      materials;  ///< by SurfacePaint::material_indices: names in those files, or pictures
+  std::vector<MeshWarning> warnings;
 };
+
+/// Vertices and corners of a polygon cut into triangles have colors or texture coordinates in some files for
+/// some of them only: brings an array of one entry a triangle to `count`.
+template <typename T>
+void fill_up(std::vector<T>& array, std::uint64_t count, const T& with) {
+  array.resize(std::size_t(count), with);
+}
 
 /// Check a file's bytes and bring them into plain form. Untrusted input: safe. Counts are compared with the
 /// size of `bytes` before anything is allocated. Errors: kInvalidInput with the line or face, kCancelled.
@@ -35,5 +50,9 @@ struct PlainMesh {
 [[nodiscard]] Result<PlainMesh> plain_off(std::string_view bytes, const Progress* progress);
 [[nodiscard]] Result<PlainMesh> plain_ply(std::string_view bytes, const Progress* progress);
 [[nodiscard]] Result<PlainMesh> plain_stl(std::string_view bytes, const Progress* progress);
+
+/// Whether a file is a binary STL by its size, and whether it begins as a text STL does.
+[[nodiscard]] bool is_binary_stl(std::string_view bytes);
+[[nodiscard]] bool is_text_stl(std::string_view bytes);
 
 }  // namespace mesocell

@@ -116,7 +116,10 @@ Result<PlyHeader> parse_ply_header(std::string_view bytes) {
       std::optional<PlyProperty> property = parse_property(line);
       if (!property || header.elements.empty()) return bad_line(lines.number());
       header.elements.back().properties.push_back(std::move(*property));
-    } else if (key != "comment" && key != "obj_info" && !key.empty()) {
+    } else if (key == "comment") {
+      if (next_word(line) != "TextureFile") continue;
+      header.textures.emplace_back(trimmed(line));
+    } else if (key != "obj_info" && !key.empty()) {
       return bad_line(lines.number());
     }
   }

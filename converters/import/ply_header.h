@@ -31,6 +31,7 @@ struct PlyElement {
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kText;
   std::vector<PlyElement> elements;
+  std::vector<std::string> textures;  ///< of comments "TextureFile NAME"
   std::size_t body = 0;  ///< offset of the first byte after the header
 };
 

@@ -2,8 +2,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "converters/import/fan.h"
@@ -104,11 +107,48 @@ double full_channel(PlyType type) {
   return type == PlyType::kUint16 ? 65535 : 255;
 }
 
+/// Index of a property that is no list.
+std::optional<std::size_t> find_scalar(const PlyElement& e, std::initializer_list<std::string_view> names) {
+  for (std::size_t k = 0; k < e.properties.size(); ++k)
+    for (const std::string_view name : names)
+      if (!e.properties[k].is_list && e.properties[k].name == name) return k;
+  return std::nullopt;
+}
+
+bool is_vertex_list(const PlyProperty& p) {
+  return p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
+}
+
+/// What an element's properties that are no lists mean.
+struct PlyPlaces {
+  std::optional<std::array<std::size_t, 3>> color;
+  std::optional<std::size_t> u, v, picture;
+
+  explicit PlyPlaces(const PlyElement& e) {
+    if (e.name != "vertex" && e.name != "face") return;
+    color = find_color(e, "");
+    if (!color) color = find_color(e, "diffuse_");
+    picture = find_scalar(e, {"texnumber"});
+    if (e.name != "vertex") return;
+    u = find_scalar(e, {"s", "u", "texture_u"});
+    v = find_scalar(e, {"t", "v", "texture_v"});
+  }
+};
+
+/// Texture coordinates begin at the lower left.
+Uv make_uv(double u, double v) {
+  const float s = float(u), t = float(1 - v);
+  return std::isfinite(s) && std::isfinite(t) ? Uv{s, t} : Uv{0, 0};
+}
+
 /// Walks over the body and writes vertices and triangles in plain form.
 class PlyBody {
  public:
   PlyBody(const PlyHeader& header, std::string_view body, std::uint64_t vertices, const Progress* progress)
-      : values_(body, header.encoding), vertices_(vertices), progress_(progress) {}
+      : values_(body, header.encoding),
+        vertices_(vertices),
+        textures_(header.textures.size()),
+        progress_(progress) {}
 
   std::optional<Error> element(const PlyElement& e, PlainMesh& mesh) {
     std::size_t least = 0;
@@ -119,27 +159,55 @@ class PlyBody {
           "the header promises " + std::to_string(e.count) + " elements '" + e.name +
           "', more than the rest of the file can hold; the file is cut off or damaged, fetch or "
           "export it again");
-    std::optional<std::array<std::size_t, 3>> color_places;
-    if (e.name == "vertex") color_places = find_color(e, "");
-    if (e.name == "vertex" && !color_places) color_places = find_color(e, "diffuse_");
+    const PlyPlaces places(e);
     std::vector<double> values(e.properties.size());  // of those that are no lists
     for (std::uint64_t i = 0; i < e.count; ++i) {
       if (stop_at(progress_, i)) return cancelled();
       Vec3 position;
+      polygon_.clear();
+      corner_uvs_.clear();
       for (std::size_t k = 0; k < values.size(); ++k) {
         const PlyProperty& p = e.properties[k];
-        const std::optional<Error> error =
-            p.is_list ? list(e, p, i, mesh) : scalar(e, p, i, values[k], position);
+        const std::optional<Error> error = p.is_list ? list(e, p, i) : scalar(e, p, i, values[k], position);
         if (error) return error;
       }
+      const std::optional<Rgb8> own = places.color ? color(e, values, *places.color) : std::nullopt;
       if (e.name == "vertex") {
         for (std::size_t axis = 0; axis < 3; ++axis)
           append_bits(points,
                       std::bit_cast<std::uint64_t>(library_holds(position[axis]) ? position[axis] : 0.0), 8);
-        add_vertex(mesh, position, color_places ? color(e, values, *color_places) : std::nullopt);
+        add_vertex(mesh, position, own);
+        if (places.u && places.v) vertex_uvs_.push_back(make_uv(values[*places.u], values[*places.v]));
+      } else if (e.name == "face") {
+        add_face(own, places.picture ? values[*places.picture] : 0, mesh);
+      } else if (e.name == "tristrips") {
+        add_strips(mesh);
       }
     }
     return std::nullopt;
+  }
+
+  /// Once all elements are there: arrays of one entry a triangle.
+  void finish(PlainMesh& mesh) {
+    if (face_colors_.size() == mesh.triangles && any_face_color_) {
+      if (mesh.colors.empty())
+        mesh.paint.face_colors = std::move(face_colors_);
+      else
+        mesh.warnings.push_back(
+            {"face-colors", "vertices and faces have colors; those of the vertices are taken"});
+    }
+    if (textures_ == 0) return;
+    if (uvs_.size() == mesh.triangles && any_uvs_) {
+      mesh.paint.uvs = std::move(uvs_);
+    } else if (vertex_uvs_.size() == vertices_) {
+      for (const Triangle& t : triangles_)
+        mesh.paint.uvs.push_back({vertex_uvs_[t[0]], vertex_uvs_[t[1]], vertex_uvs_[t[2]]});
+    } else {
+      mesh.warnings.push_back(
+          {"uv-missing", "the file names a picture but has no texture coordinates for it"});
+      return;
+    }
+    mesh.paint.material_indices = std::move(pictures_);
   }
 
   std::string points, faces;  ///< in plain form
@@ -164,38 +232,95 @@ class PlyBody {
     if (p.name == "z") position.z = value;
     return std::nullopt;
   }
-  std::optional<Error> list(const PlyElement& e, const PlyProperty& p, std::uint64_t i, PlainMesh& mesh) {
+  /// Reads a list into polygon_ or corner_uvs_, or passes it over. The vertices of strips may be -1.
+  std::optional<Error> list(const PlyElement& e, const PlyProperty& p, std::uint64_t i) {
     double count = 0;
     if (!values_.read(p.count_type, count)) return unreadable(e, i);
     if (!(count >= 0 && count <= double(values_.left() / values_.least_bytes(p.type))) ||
         count != std::floor(count))
       return invalid_mesh("the list '" + p.name + "' of element " + std::to_string(i) + " of '" + e.name +
                           "' is longer than the rest of the file; the file is damaged, export it again");
-    const bool is_face = e.name == "face" && (p.name == "vertex_indices" || p.name == "vertex_index");
-    polygon_.clear();
+    const bool strips = e.name == "tristrips", is_face = (strips || e.name == "face") && is_vertex_list(p);
+    const bool uvs = e.name == "face" && p.name == "texcoord" && textures_ > 0;
     for (std::uint64_t k = 0; k < std::uint64_t(count); ++k) {
       double value = 0;
       if (!values_.read(p.type, value)) return unreadable(e, i);
+      if (uvs) corner_uvs_.push_back(value);
       if (!is_face) continue;
+      if (strips && value == -1) {
+        polygon_.push_back(kStripEnd);
+        continue;
+      }
       if (!(value >= 0 && value < double(vertices_)) || value != std::floor(value))
         return invalid_mesh("face " + std::to_string(i) + " uses a vertex that is not there: the file has " +
                             std::to_string(vertices_) + "; export the mesh again");
       polygon_.push_back(std::uint32_t(value));
     }
-    if (!is_face) return std::nullopt;
-    ++mesh.polygons;
-    cut_into_fan(polygon_, mesh.dropped_faces, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      faces += char(3);
-      for (const std::uint32_t index : {a, b, c}) append_bits(faces, index, 4);
-      ++mesh.triangles;
-    });
     return std::nullopt;
   }
 
+  void add_face(const std::optional<Rgb8>& own, double picture, PlainMesh& mesh) {
+    ++mesh.polygons;
+    any_face_color_ = any_face_color_ || own;
+    const bool uvs = corner_uvs_.size() == 2 * polygon_.size();
+    any_uvs_ = any_uvs_ || (uvs && !polygon_.empty());
+    const auto corner = [&](std::size_t k) {
+      return uvs ? make_uv(corner_uvs_[2 * k], corner_uvs_[2 * k + 1]) : Uv{0, 0};
+    };
+    cut_into_fan(
+        polygon_, mesh.dropped_faces, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::size_t i) {
+          add_triangle({a, b, c}, mesh);
+          if (own || any_face_color_) {
+            fill_up(face_colors_, mesh.triangles - 1, kMissingColor);
+            face_colors_.push_back(own.value_or(kMissingColor));
+          }
+          if (textures_ == 0) return;
+          uvs_.push_back({corner(0), corner(i - 1), corner(i)});
+          pictures_.push_back(picture >= 0 && picture < double(textures_) ? std::uint32_t(picture)
+                                                                          : SurfacePaint::kNoMaterial);
+        });
+  }
+
+  /// Strips one after the other, -1 between them; each second triangle of one runs the other way
+  /// [Stanford 3D Scanning Repository].
+  void add_strips(PlainMesh& mesh) {
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < polygon_.size(); ++i) {
+      if (polygon_[i] == kStripEnd) begin = i + 1;
+      if (i < begin + 2 || polygon_[i] == kStripEnd) continue;
+      Triangle t{polygon_[i - 2], polygon_[i - 1], polygon_[i]};
+      if ((i - begin) % 2 != 0) std::swap(t[0], t[1]);
+      ++mesh.polygons;
+      // Strips turn corners by triangles without area.
+      if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+      add_triangle(t, mesh);
+      if (textures_ == 0) continue;
+      uvs_.push_back({});
+      pictures_.push_back(0);
+    }
+  }
+
+  void add_triangle(const Triangle& t, PlainMesh& mesh) {
+    faces += char(3);
+    for (const std::uint32_t index : t) append_bits(faces, index, 4);
+    ++mesh.triangles;
+    if (textures_ > 0) triangles_.push_back(t);
+  }
+
+  static constexpr std::uint32_t kStripEnd = 0xffff'ffff;
+
   PlyValues values_;
-  std::uint64_t vertices_;
+  std::uint64_t vertices_, textures_;
   const Progress* progress_;
-  std::vector<std::uint32_t> polygon_;
+  std::vector<std::uint32_t> polygon_;  ///< of this element
+  std::vector<double> corner_uvs_;      ///< two a corner
+  std::vector<Uv> vertex_uvs_;
+  // One a triangle, as far as there are such.
+  std::vector<Rgb8> face_colors_;
+  std::vector<std::array<Uv, 3>> uvs_;
+  std::vector<std::uint32_t> pictures_;
+  std::vector<Triangle> triangles_;
+  bool any_face_color_ = false, any_uvs_ = false;
 };
 
 /// Whether the header has what a mesh needs, each once.
@@ -208,15 +333,14 @@ std::optional<Error> check_elements(const PlyHeader& header, std::uint64_t& vert
       for (const PlyProperty& p : e.properties)
         if (!p.is_list && (p.name == "x" || p.name == "y" || p.name == "z")) ++axes;
     }
-    if (e.name == "face")
-      for (const PlyProperty& p : e.properties)
-        if (p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index")) ++face_lists;
+    if (e.name == "face" || e.name == "tristrips")
+      face_lists += int(std::count_if(e.properties.begin(), e.properties.end(), is_vertex_list));
   }
   if (vertex_elements != 1 || axes != 3)
     return invalid_mesh("the PLY header does not describe vertices with x, y and z; export the mesh again");
   if (face_lists != 1)
     return invalid_mesh(
-        "the PLY file has no faces with vertex_indices (a point cloud or triangle strips?); export a mesh of "
+        "the PLY file has no faces or tristrips with vertex_indices (a point cloud?); export a mesh of "
         "polygons");
   return std::nullopt;
 }
@@ -233,6 +357,8 @@ Result<PlainMesh> plain_ply(std::string_view bytes, const Progress* progress) {
   PlyBody body(*header, bytes.substr(header->body), vertices, progress);
   for (const PlyElement& e : header->elements)
     if (std::optional<Error> error = body.element(e, mesh)) return *error;
+  body.finish(mesh);
+  mesh.materials = header->textures;
   mesh.bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) +
                "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
                std::to_string(mesh.triangles) + "\nproperty list uchar int vertex_indices\nend_header\n" +

@@ -4,6 +4,10 @@
 
 namespace mesocell {
 
+inline constexpr std::string_view kPlyContent = "a PLY mesh", kOffContent = "an OFF mesh",
+                                  kGlbContent = "a glTF scene", kGltfContent = "a glTF scene as JSON",
+                                  kDracoContent = "a mesh compressed by Draco";
+
 /// What the first bytes of a file say it is: "a PNG image", "a PLY mesh", …; empty if they say nothing.
 /// Untrusted input: safe.
 [[nodiscard]] std::string_view sniff_content(std::string_view bytes);

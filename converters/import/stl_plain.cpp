@@ -44,11 +44,16 @@ std::uint32_t load_u32(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-constexpr std::size_t kHeader = 84, kRecord = 50;
-
-bool is_binary_stl(std::string_view bytes) {
-  return bytes.size() >= kHeader && bytes.size() - kHeader == std::uint64_t{load_u32(bytes, 80)} * kRecord;
+/// Normals are not used: corners say which side is out.
+void warn_of_normals(std::uint64_t count, PlainMesh& mesh) {
+  if (count > 0)
+    mesh.warnings.push_back(
+        {"normal-not-finite", std::to_string(count) +
+                                  " triangles have normals that are not numbers; the order "
+                                  "of the corners says which side is out"});
 }
+
+constexpr std::size_t kHeader = 84, kRecord = 50;
 
 Result<PlainMesh> plain_binary(std::string_view bytes, const Progress* progress) {
   PlainMesh mesh;
@@ -56,11 +61,16 @@ Result<PlainMesh> plain_binary(std::string_view bytes, const Progress* progress)
   mesh.binary = true;
   const std::uint64_t count = (bytes.size() - kHeader) / kRecord;
   if (count > kMaxMeshElements / 3) return invalid_mesh("the mesh has too many triangles; split it");
+  std::uint64_t bad_normals = 0;
   for (std::uint64_t t = 0; t < count; ++t) {
     if (stop_at(progress, t)) return cancelled();
     std::array<Point, 3> corner{};
+    bool normal_is_number = true;
+    for (std::size_t i = 0; i < 3; ++i)
+      normal_is_number = normal_is_number &&
+                         std::isfinite(std::bit_cast<float>(load_u32(bytes, kHeader + t * kRecord + 4 * i)));
+    bad_normals += !normal_is_number;
     for (std::size_t i = 0; i < 9; ++i) {
-      // The normal comes first; it isn't used and may be anything.
       const float x = std::bit_cast<float>(load_u32(bytes, kHeader + t * kRecord + 12 + 4 * i));
       if (!std::isfinite(x)) return not_finite(t);
       corner[i / 3][i % 3] = x;
@@ -68,6 +78,7 @@ Result<PlainMesh> plain_binary(std::string_view bytes, const Progress* progress)
     count_triangle(corner, mesh);
   }
   mesh.bytes.assign(bytes);
+  warn_of_normals(bad_normals, mesh);
   return mesh;
 }
 
@@ -105,6 +116,7 @@ Result<PlainMesh> plain_text(std::string_view bytes, const Progress* progress) {
   LineReader lines(bytes);
   std::array<Point, 3> corner{};
   std::size_t corners = 0;
+  std::uint64_t bad_normals = 0;
   bool in_loop = false, in_name = false, ended = false;
   std::string_view line;
   while (lines.next(line)) {
@@ -115,6 +127,13 @@ Result<PlainMesh> plain_text(std::string_view bytes, const Progress* progress) {
       if (key == "solid" || key == "endsolid") {
         ended = key == "endsolid";
         in_name = true;  // the rest of the line is a name, which may hold any words
+      } else if (key == "normal") {
+        bool number = true;
+        for (int k = 0; k < 3; ++k) {
+          double x = 0;
+          number = parse_number(next_word(line), x) && std::isfinite(x) && number;
+        }
+        bad_normals += !number;
       } else if (key == "outer") {
         if (in_loop)
           return invalid_line(lines.number(), "a facet begins before the last one ended; repair the file");
@@ -140,19 +159,32 @@ Result<PlainMesh> plain_text(std::string_view bytes, const Progress* progress) {
   if (in_loop || !ended)
     return invalid_mesh("the file does not end with endsolid; it is cut off, fetch or export it again");
   if (mesh.polygons > kMaxMeshElements / 3) return invalid_mesh("the mesh has too many triangles; split it");
+  warn_of_normals(bad_normals, mesh);
   return mesh;
 }
 
 }  // namespace
 
+bool is_binary_stl(std::string_view bytes) {
+  return bytes.size() >= kHeader && bytes.size() - kHeader == std::uint64_t{load_u32(bytes, 80)} * kRecord;
+}
+
+bool is_text_stl(std::string_view bytes) {
+  const std::string_view head = bytes.substr(0, 1024);
+  const std::size_t start = head.find_first_not_of(" \t\r\n");
+  return start != head.npos && lower(head.substr(start, 5)) == "solid" && head.find('\0') == head.npos;
+}
+
 Result<PlainMesh> plain_stl(std::string_view bytes, const Progress* progress) {
   // Many binary files begin with "solid" too: the size decides.
-  if (is_binary_stl(bytes)) return plain_binary(bytes, progress);
-  std::string_view head = bytes.substr(0, 1024);
-  const std::size_t start = head.find_first_not_of(" \t\r\n");
-  const bool text =
-      start != head.npos && lower(head.substr(start, 5)) == "solid" && head.find('\0') == head.npos;
-  if (text) return plain_text(bytes, progress);
+  if (is_binary_stl(bytes)) {
+    Result<PlainMesh> mesh = plain_binary(bytes, progress);
+    if (mesh && lower(bytes.substr(0, 5)) == "solid")
+      mesh->warnings.push_back(
+          {"stl-header", "the file begins with \"solid\", as text does, but is binary; it was read so"});
+    return mesh;
+  }
+  if (is_text_stl(bytes)) return plain_text(bytes, progress);
   if (bytes.size() < kHeader)
     return invalid_mesh("the file is too short for an STL mesh; fetch or export it again");
   return invalid_mesh("the header promises " + std::to_string(load_u32(bytes, 80)) +

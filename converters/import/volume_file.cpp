@@ -8,12 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "converters/image/exr_check.h"
 #include "converters/image/extension.h"
 #include "converters/image/input_file.h"
+#include "converters/import/dds_pages.h"
+#include "converters/import/picture_file.h"
 #include "converters/import/slice_stack.h"
-#include "converters/import/sniff.h"
-#include "converters/import/tiff_check.h"
 #include "converters/import/volume_slices.h"
 
 namespace mesocell {
@@ -22,24 +21,6 @@ namespace {
 constexpr std::uint32_t kMaxSide = 1024;
 /// With that many channels a slice has 64 MB at most.
 constexpr std::size_t kMaxChannels = 16;
-
-using namespace std::string_view_literals;
-
-/// How a picture begins, and the image library's name for its format.
-struct Mark {
-  std::string_view begins;
-  const char* format;
-};
-constexpr std::array<Mark, 8> kMarks = {{
-    {"\x89PNG\r\n\x1a\n"sv, "png"},
-    {"II*\0"sv, "tiff"},
-    {"MM\0*"sv, "tiff"},
-    {"II+\0"sv, "tiff"},
-    {"MM\0+"sv, "tiff"},
-    {"\x76\x2f\x31\x01"sv, "openexr"},
-    {"#?RADIANCE"sv, "hdr"},
-    {"#?RGBE"sv, "hdr"},
-}};
 
 Error invalid(std::string message) { return Error{ErrorCode::kInvalidInput, std::move(message)}; }
 
@@ -62,42 +43,15 @@ Status check_resolution(const Index3& n, std::uint32_t least, const VolumeReadOp
   return {};
 }
 
-/// What a picture's file was found to be, before the image library sees it.
-struct Picture {
-  const char* format = nullptr;
-  std::uint32_t pages = 1;
-  std::uint32_t stored_bits = 0;  ///< of a gray picture's integers; 0 where the library knows
-};
+PictureLimits limits(const VolumeReadOptions& options) {
+  return {.max_file_bytes = options.max_file_bytes, .max_pages = options.max_slices, .max_side = kMaxSide};
+}
 
-Result<Picture> examine(const std::string& path, const VolumeReadOptions& options) {
-  const Result<InputFile> file = InputFile::open(path, options.max_file_bytes);
-  if (!file) return file.error();
-  if (file->size() == 0) return invalid("the file is empty; fetch or export it again");
-  std::array<std::byte, 32> head{};
-  const std::size_t head_bytes = std::size_t(std::min<std::uint64_t>(file->size(), head.size()));
-  if (!file->read_at(0, std::span(head).first(head_bytes)))
-    return Error{ErrorCode::kUnreadable, "it cannot be read; check the disk"};
-  const std::string_view text(reinterpret_cast<const char*>(head.data()), head_bytes);
-  Picture picture;
-  for (const Mark& mark : kMarks)
-    if (text.starts_with(mark.begins)) picture.format = mark.format;
-  if (!picture.format) {
-    const std::string_view content = sniff_content(text);
-    return invalid("the file is " + (content.empty() ? "no picture that can be read" : std::string(content)) +
-                   "; volumes are read from " + kVolumeSources);
-  }
-  if (picture.format == "tiff"sv) {
-    const Result<TiffLayout> layout = check_tiff(*file, options.max_slices, kMaxSide);
-    if (!layout) return layout.error();
-    picture.pages = layout->pages;
-    picture.stored_bits = layout->bits;
-  }
-  if (picture.format == "openexr"sv)
-    if (Status status = check_exr(*file, kMaxSide); !status) return status.error();
-  // Bit depth and color type of the header; 0 is gray [PNG 11.2.1].
-  if (picture.format == "png"sv && text.size() > 25 && text[25] == 0)
-    picture.stored_bits = std::uint8_t(text[24]);
-  return picture;
+/// Of a picture that is no slice.
+Error in_volume(Error error) {
+  if (error.code == ErrorCode::kInvalidInput && error.message.find("; ") == std::string::npos)
+    error.message += std::string("; volumes are read from ") + kVolumeSources;
+  return error;
 }
 
 /// What reading a volume needs all along.
@@ -122,10 +76,11 @@ struct Reading {
   }
 };
 
-/// Reads all pages of a picture, each a slice.
-Status read_picture(const std::string& path, const Picture& picture, Reading& reading) {
+/// Makes voxels of pages, each a slice; the reading lasts longer.
+PageSink make_sink(Reading& reading, std::uint32_t stored_bits) {
   PageSink sink;
-  sink.begin = [&](const PageHeader& header) -> Status {
+  sink.as_floats = reading.slices.as_floats();
+  sink.begin = [&reading, stored_bits](const PageHeader& header) -> Status {
     if (header.channels.size() > kMaxChannels)
       return Error{ErrorCode::kLimit,
                    "it has " + std::to_string(header.channels.size()) + " channels; save it as gray or RGB"};
@@ -136,18 +91,39 @@ Status read_picture(const std::string& path, const Picture& picture, Reading& re
                      " pixels, the first slice " + std::to_string(reading.resolution[0]) + " x " +
                      std::to_string(reading.resolution[1]) + "; all must have the same size");
     }
-    return reading.slices.check(header, picture.stored_bits);
+    return reading.slices.check(header, stored_bits);
   };
-  sink.take = [&](std::uint32_t, PageSamples samples) -> Status {
+  sink.take = [&reading](std::uint32_t, PageSamples samples) -> Status {
     if (Status status = reading.next(); !status) return status;
     return reading.slices.append(samples);
   };
-  return read_pages(path, picture.format, picture.pages, sink);
+  return sink;
+}
+
+/// Reads all pages of a picture.
+Status read_picture(const std::string& path, const PictureFile& picture, Reading& reading) {
+  return read_pages(path, picture.format, picture.pages, make_sink(reading, picture.stored_bits));
+}
+
+/// The first bytes of a file, as many as there are.
+std::string head_of(const std::string& path, std::size_t count) {
+  const Result<InputFile> file = InputFile::open(path, UINT64_MAX);
+  if (!file) return {};
+  std::string head(std::size_t(std::min<std::uint64_t>(file->size(), count)), 0);
+  if (!file->read_at(0, std::as_writable_bytes(std::span(head)))) return {};
+  return head;
+}
+
+Status read_dds(const std::string& path, const std::string& head, Reading& reading) {
+  const Result<DdsLayout> layout = parse_dds_header(head);
+  if (!layout) return layout.error();
+  reading.resolution[2] = layout->depth;
+  return read_dds_pages(path, reading.options.max_file_bytes, make_sink(reading, 8));
 }
 
 Status read_stack(const std::string& folder, Reading& reading) {
   const Result<std::vector<std::string>> names =
-      list_slices(folder, {".png", ".tif", ".tiff", ".exr", ".hdr"}, reading.options.max_slices);
+      list_slices(folder, {".png", ".tif", ".tiff", ".exr", ".hdr", ".jpg"}, reading.options.max_slices);
   if (!names) return names.error();
   reading.resolution[2] = std::uint32_t(names->size());
   for (const std::string& name : *names) {
@@ -156,8 +132,8 @@ Status read_stack(const std::string& folder, Reading& reading) {
       return error;
     };
     const std::string path = (std::filesystem::path(folder) / name).string();
-    const Result<Picture> picture = examine(path, reading.options);
-    if (!picture) return in_slice(picture.error());
+    const Result<PictureFile> picture = examine_picture(path, limits(reading.options));
+    if (!picture) return in_slice(in_volume(picture.error()));
     if (picture->pages != 1)
       return in_slice(
           invalid("it has " + std::to_string(picture->pages) +
@@ -207,8 +183,9 @@ Status read_raw(const std::string& path, Reading& reading, std::span<const std::
 Status read_pictures(const std::string& path, Reading& reading) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return read_stack(path, reading);
-  const Result<Picture> picture = examine(path, reading.options);
-  if (!picture) return picture.error();
+  if (const std::string head = head_of(path, 128); is_dds(head)) return read_dds(path, head, reading);
+  const Result<PictureFile> picture = examine_picture(path, limits(reading.options));
+  if (!picture) return in_volume(picture.error());
   reading.resolution[2] = picture->pages;
   return read_picture(path, *picture, reading);
 }
@@ -253,6 +230,32 @@ Result<ColorMap> read_color_volume(const std::string& path, const VolumeReadOpti
       is_raw_volume(path) ? read_raw(path, reading, sizes_of_colors, append) : read_pictures(path, reading);
   if (!status) return status.error();
   return std::move(slices.map);
+}
+
+Result<ScalarVolume> read_scalar_volume(const std::string& path, const VolumeReadOptions& options,
+                                        const Progress* progress) {
+  ScalarSlices slices;
+  Reading reading{options, progress, slices};
+  const auto append = [&](std::span<const std::byte> bytes, std::uint32_t size) {
+    for (std::size_t i = 0; i < bytes.size(); i += size) {
+      std::uint32_t value = 0;
+      for (std::uint32_t k = 0; k < size; ++k) value |= std::uint32_t(bytes[i + k]) << (8 * k);
+      slices.values.push_back(size == 4 ? float_sample(value) : float(value));
+    }
+  };
+  constexpr std::array<std::uint32_t, 3> sizes_of_numbers = {1, 2, 4};
+  Status status =
+      is_raw_volume(path) ? read_raw(path, reading, sizes_of_numbers, append) : read_pictures(path, reading);
+  if (!status) return status.error();
+  return ScalarVolume{slices.resolution, std::move(slices.values)};
+}
+
+bool is_slice_stack(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return true;
+  if (is_dds(head_of(path, 128))) return true;
+  const Result<PictureFile> picture = examine_picture(path, limits({}));
+  return picture && picture->pages > 1;
 }
 
 }  // namespace mesocell

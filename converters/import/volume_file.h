@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "format/cell_object.h"
 #include "format/result.h"
@@ -20,9 +21,8 @@ struct VolumeReadOptions {
 
 /// What volumes are read from, for messages and help texts.
 inline constexpr const char* kVolumeSources =
-    "a folder of pictures (.png, .tif, .tiff, .exr, .hdr), each a slice; a TIFF, each page a slice; or a "
-    ".raw file "
-    "with its resolution";
+    "a folder of pictures (.png, .tif, .tiff, .exr, .hdr, .jpg), each a slice; a TIFF, each page a slice; a "
+    "volume texture .dds; or a .raw file with its resolution";
 /// How a volume's axes lie, for help texts.
 inline constexpr const char* kVolumeAxes =
     "The slices of a folder are z = 0, 1, 2, … in the natural order of their names (slice2 before slice10), "
@@ -65,5 +65,21 @@ inline constexpr const char* kVolumeAxes =
 [[nodiscard]] Result<ColorMap> read_color_volume(const std::string& path,
                                                  const VolumeReadOptions& options = {},
                                                  const Progress* progress = nullptr);
+
+/// Numbers on a grid, of which a surface can be taken.
+struct ScalarVolume {
+  Index3 resolution{};        ///< voxels along x, y, z
+  std::vector<float> values;  ///< x fastest; integers as they stand
+};
+
+/// Reads a volume of numbers, 2 to 1024 voxels along each axis: the first channel of what read_label_volume()
+/// is given, also where its compression is lossy; .raw: 8 or 16 bits, or floats of 32, as the file's size
+/// tells. Errors are those.
+[[nodiscard]] Result<ScalarVolume> read_scalar_volume(const std::string& path,
+                                                      const VolumeReadOptions& options = {},
+                                                      const Progress* progress = nullptr);
+
+/// Whether a path is several slices, by what is there: a folder, a TIFF of several pages or a volume texture.
+[[nodiscard]] bool is_slice_stack(const std::string& path);
 
 }  // namespace mesocell

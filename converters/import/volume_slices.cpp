@@ -143,4 +143,24 @@ Status ColorSlices::append(PageSamples samples) {
   return {};
 }
 
+Status ScalarSlices::begin(const Index3& size) try {
+  resolution = size;
+  values.reserve(std::size_t{size[0]} * size[1] * size[2]);
+  return {};
+} catch (const std::bad_alloc&) {
+  return no_memory();
+}
+
+Status ScalarSlices::check(const PageHeader& header, std::uint32_t) {
+  header_ = header;
+  return {};
+}
+
+Status ScalarSlices::append(PageSamples samples) {
+  for_each_pixel(header_, samples, [&](const std::uint32_t* pixel, std::uint32_t, std::uint32_t) {
+    values.push_back(float_sample(pixel[0]));
+  });
+  return {};
+}
+
 }  // namespace mesocell

@@ -20,6 +20,8 @@ class VolumeSlices {
   [[nodiscard]] virtual Status begin(const Index3& resolution) = 0;
   /// Whether slices like this can be used. `stored_bits` of a gray picture of integers, 0 where not known.
   [[nodiscard]] virtual Status check(const PageHeader& header, std::uint32_t stored_bits) = 0;
+  /// Whether integers, too, are wanted as floats of the same value, see PageSink.
+  [[nodiscard]] virtual bool as_floats() const { return false; }
   /// Appends the next slice, which is like the last that was checked. Errors: kInvalidInput.
   [[nodiscard]] virtual Status append(PageSamples samples) = 0;
 };
@@ -60,6 +62,23 @@ class ColorSlices final : public VolumeSlices {
  private:
   PageHeader header_;
   ColorChannels channels_;
+};
+
+/// Numbers: gray values, or the first channel of another picture, as they are stored.
+class ScalarSlices final : public VolumeSlices {
+ public:
+  [[nodiscard]] std::uint32_t least_side() const override { return 2; }
+  [[nodiscard]] Status begin(const Index3& resolution) override;
+  [[nodiscard]] Status check(const PageHeader& header, std::uint32_t stored_bits) override;
+  [[nodiscard]] Status append(PageSamples samples) override;
+
+  [[nodiscard]] bool as_floats() const override { return true; }
+
+  Index3 resolution{};
+  std::vector<float> values;  ///< x fastest
+
+ private:
+  PageHeader header_;
 };
 
 }  // namespace mesocell

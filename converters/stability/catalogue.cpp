@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "converters/stability/damage.h"
-#include "converters/stability/shapes.h"
+#include "sdk/core/primitives.h"
 
 namespace mesocell {
 namespace {

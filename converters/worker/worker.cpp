@@ -2,98 +2,21 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
-#include <cstring>
-#include <utility>
 
 #include "converters/image/module_loader.h"
+#include "converters/worker/child_process.h"
 #include "converters/worker/wire.h"
-
-extern char** environ;
 
 namespace mesocell {
 namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 16;
-
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  ~Descriptor() { close(); }
-  void close() {
-    if (fd_ >= 0) ::close(fd_);
-    fd_ = -1;
-  }
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_ = -1;
-};
-
-/// A process that is running, killed and waited for at the latest when this ends.
-class Child {
- public:
-  Child() = default;
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  ~Child() {
-    if (pid_ > 0) kill(pid_, SIGKILL);
-    (void)wait();
-  }
-
-  /// Its standard input and output become the other ends of `to` and `from`.
-  [[nodiscard]] Status start(const std::string& program, Descriptor& to, Descriptor& from) {
-    int in[2], out[2];
-    if (pipe2(in, O_CLOEXEC) != 0) return failure();
-    Descriptor child_in(in[0]);
-    to = Descriptor(in[1]);
-    if (pipe2(out, O_CLOEXEC) != 0) return failure();
-    Descriptor child_out(out[1]);
-    from = Descriptor(out[0]);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, child_in.get(), STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, child_out.get(), STDOUT_FILENO);
-    std::string name = program;
-    char* const arguments[] = {name.data(), nullptr};
-    errno = posix_spawn(&pid_, program.c_str(), &actions, nullptr, arguments, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (errno == 0) return {};
-    pid_ = -1;
-    return failure();
-  }
-
-  /// The status that waitpid() gives, once.
-  [[nodiscard]] int wait() {
-    int status = 0;
-    if (pid_ > 0)
-      while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
-      }
-    pid_ = -1;
-    return status;
-  }
-
- private:
-  static Error failure() {
-    return {ErrorCode::kOutput, std::string("a program of its own could not be started for it (") +
-                                    std::strerror(errno) + "); close some programs"};
-  }
-
-  pid_t pid_ = -1;
-};
 
 /// Sends the request and takes the reply, both at once, as either side may have to wait for the other.
 Status talk(Descriptor& to, Descriptor& from, std::span<const std::byte> request, const WorkerLimits& limits,
@@ -146,9 +69,9 @@ Result<std::vector<std::byte>> run_worker(const std::string& name, std::span<con
   std::vector<std::byte> whole = head.release();
   whole.insert(whole.end(), request.begin(), request.end());
 
-  Child child;
+  ChildProcess child;
   Descriptor to, from;
-  if (Status status = child.start(*program, to, from); !status) return status.error();
+  if (Status status = child.start(*program, {}, to, from); !status) return status.error();
   std::vector<std::byte> reply;
   if (Status status = talk(to, from, whole, limits, progress, reply); !status) return status.error();
   const int status = child.wait();

@@ -6,7 +6,6 @@
 #include <cstdlib>
 
 #include "sdk/core/rng.h"
-#include "sdk/surface/instance_colors.h"
 #include "sdk/surface/noise.h"
 
 namespace mesocell {
@@ -76,7 +75,7 @@ Rgb8 random_color(Rng& rng) {
 
 }  // namespace
 
-Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count, const TriangleMesh& mesh) {
+Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count) {
   const auto seed = whole_option(recipe, "seed", 1, 0, ~std::uint64_t{0});
   if (!seed) return seed.error();
   Colors colors;
@@ -86,12 +85,6 @@ Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count, const
     Rng rng(*seed);
     ColorList& cells = colors.cells.emplace();
     for (std::uint32_t c = 0; c < cell_count; ++c) cells.colors.push_back(random_color(rng));
-    return colors;
-  }
-  if (recipe.name == "mesh") {
-    if (const Status status = check_options(recipe, "color", {}); !status) return status.error();
-    if (mesh.colors.empty()) return mesh_without_colors();
-    colors.of_mesh = true;
     return colors;
   }
   std::string names;
@@ -113,14 +106,13 @@ Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count, const
     colors.map = std::move(map);
     return colors;
   }
-  return Error{ErrorCode::kUsage, "unknown color '" + recipe.name + "'; there are: " + names + "cells, mesh"};
+  return Error{ErrorCode::kUsage, "unknown color '" + recipe.name + "'; there are: " + names + "cells"};
 }
 
-Status apply_colors(Colors colors, const TriangleMesh& mesh, CellObject& object, unsigned threads,
-                    const Progress* progress) {
+Status apply_colors(Colors colors, CellObject& object, unsigned threads, const Progress* progress) {
   std::optional<ColorList> instances;
-  if (colors.of_mesh) {
-    Result<std::vector<Rgb8>> made = make_instance_colors(object, mesh, threads, progress);
+  if (colors.instances) {
+    Result<std::vector<Rgb8>> made = colors.instances(object, threads, progress);
     if (!made) return made.error();
     instances = ColorList{std::move(*made)};
   }
@@ -136,7 +128,6 @@ std::string color_recipes_help() {
     text += std::string(solid.name) + ":resolution=64,seed=1   " + std::string(solid.help) + "\n";
   return text +
          "cells:seed=1   a random color for each cell\n"
-         "mesh   the mesh's own (PLY, OBJ or COFF with colors at the vertices), one for each cell inside\n"
          "resolution: color voxels per axis of the tile, 1…256\n";
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,30 +11,28 @@
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/recipe.h"
-#include "sdk/core/triangle_mesh.h"
 
 namespace mesocell MESOCELL_API {
 
-/// The colors that a recipe gives a cell object: a solid texture of the tile, a color for each cell, or those
-/// of the basic mesh, which make_instance_colors() finds once the object is there.
+/// The colors of a cell object: a solid texture of the tile, a color for each cell, or one for each INSIDE
+/// instance, which is found once the object is there.
 struct Colors {
   std::optional<ColorMap> map;
   std::optional<ColorList> cells;
-  bool of_mesh = false;
+  /// From the finished object, in the order of CellObject::instance_colors: make_instance_colors(), say.
+  std::function<Result<std::vector<Rgb8>>(const CellObject&, unsigned threads, const Progress*)> instances =
+      {};
 };
 
 /// Makes the colors of a recipe: `marble`, `wood` or `stone` (solid textures that tile without a seam;
-/// options resolution and seed), `cells` (a random color for each of `cell_count` cells; option seed), or
-/// `mesh` (the colors at the vertices of `mesh`, which other recipes do not look at). Errors: kUsage, also if
-/// `mesh` has no colors where they are wanted. The same recipe gives the same colors on every machine.
-[[nodiscard]] Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count,
-                                         const TriangleMesh& mesh = {});
+/// options resolution and seed), or `cells` (a random color for each of `cell_count` cells; option seed).
+/// Errors: kUsage. The same recipe gives the same colors on every machine.
+[[nodiscard]] Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count);
 
-/// Gives a finished cell object its colors, in place of any that it has. `mesh`: the basic mesh, in which the
-/// colors of each INSIDE instance are looked up if `colors` are of the mesh. `threads`: 0 for the machine's.
-/// Errors: those of make_instance_colors(); the object is as it was then.
-[[nodiscard]] Status apply_colors(Colors colors, const TriangleMesh& mesh, CellObject& object,
-                                  unsigned threads = 0, const Progress* progress = nullptr);
+/// Gives a finished cell object its colors, in place of any that it has. `threads`: 0 for the machine's.
+/// Errors: those of colors.instances; the object is as it was then.
+[[nodiscard]] Status apply_colors(Colors colors, CellObject& object, unsigned threads = 0,
+                                  const Progress* progress = nullptr);
 
 /// The recipes and their options, a line each, for help texts.
 [[nodiscard]] std::string color_recipes_help();

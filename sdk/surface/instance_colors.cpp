@@ -54,14 +54,6 @@ std::uint64_t count_inside(const MembershipMap& membership, std::uint64_t tile) 
   return count;
 }
 
-/// The color of a mesh at a point of it.
-Rgb8 surface_color(const TriangleMesh& mesh, const SurfacePoint& at) {
-  Vec3 sum;
-  for (std::size_t k = 0; k < 3; ++k)
-    sum = sum + srgb_to_linear(mesh.colors[mesh.triangles[at.triangle][k]]) * at.barycentric[k];
-  return linear_to_srgb8(sum);
-}
-
 /// Colors of the INSIDE instances by their centres, in voxels of the grid.
 Result<std::vector<Rgb8>> color_centres(const CellObject& object, const std::function<Rgb8(Vec3)>& color_at,
                                         unsigned threads, const Progress* progress) {
@@ -107,14 +99,19 @@ Result<std::vector<Rgb8>> color_centres(const CellObject& object, const std::fun
 
 Error mesh_without_colors() {
   return {ErrorCode::kUsage,
-          "the mesh has no colors at its vertices to take over; paint them in a mesh editor and save it as "
-          "PLY, OBJ or COFF with colors, or choose another color"};
+          "the mesh has no colors at its vertices or faces, nor materials, to take over; paint it in a mesh "
+          "editor and save it as PLY, OBJ, COFF or glTF with them, or choose another color"};
 }
 
 Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const TriangleMesh& mesh,
                                                unsigned threads, const Progress* progress) {
-  if (mesh.colors.empty()) return mesh_without_colors();
-  assert(mesh.colors.size() == mesh.vertices.size());
+  return make_instance_colors(object, mesh, SurfacePaint{}, threads, progress);
+}
+
+Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const TriangleMesh& mesh,
+                                               const SurfacePaint& paint, unsigned threads,
+                                               const Progress* progress) {
+  if (mesh.colors.empty() && paint.empty()) return mesh_without_colors();
   if (count_instances(object.membership).inside == 0) return std::vector<Rgb8>();
   // In voxels, so that neither the size of the mesh nor its distance from the origin costs precision.
   TriangleMesh voxel_mesh;
@@ -131,8 +128,12 @@ Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const T
           "the grid; take the one that the object was made from"};
   const ClosestPoint surface(voxel_mesh, threads);
   voxel_mesh = {};
-  return color_centres(
-      object, [&](Vec3 centre) { return surface_color(mesh, surface.query(centre)); }, threads, progress);
+  const PaintSampler sampler(mesh, paint, threads);
+  const auto color_at = [&](Vec3 centre) {
+    const SurfacePoint nearest = surface.query(centre);
+    return linear_to_srgb8(sampler.color(nearest.triangle, nearest.barycentric));
+  };
+  return color_centres(object, color_at, threads, progress);
 }
 
 Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object,

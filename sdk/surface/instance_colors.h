@@ -9,6 +9,7 @@
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
 #include "sdk/core/vec.h"
+#include "sdk/surface/surface_paint.h"
 
 namespace mesocell MESOCELL_API {
 
@@ -23,6 +24,12 @@ namespace mesocell MESOCELL_API {
 /// kLimit (more instances than readers accept), kCancelled.
 [[nodiscard]] Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object,
                                                              const TriangleMesh& mesh, unsigned threads = 0,
+                                                             const Progress* progress = nullptr);
+
+/// The same of a mesh with all that is painted on it, by PaintSampler. `paint` fits `mesh` (assert).
+[[nodiscard]] Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object,
+                                                             const TriangleMesh& mesh,
+                                                             const SurfacePaint& paint, unsigned threads = 0,
                                                              const Progress* progress = nullptr);
 
 /// The same from colors that are defined in space: each instance has the color at its centre. `color_at` is

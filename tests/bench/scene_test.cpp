@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "converters/bench/shapes.h"
+#include "sdk/core/shapes.h"
 #include "sdk/membership/diagnose.h"
 #include "tests/support/catch.h"
 
@@ -23,10 +23,10 @@ CellObject scene(const std::string& text) {
 }  // namespace
 
 TEST_CASE("shapes are closed meshes within the cube") {
-  CHECK(bench_shapes().size() == 6);
-  for (const BenchShape& shape : bench_shapes()) {
+  CHECK(shapes().size() == 10);
+  for (const Shape& shape : shapes()) {
     INFO(shape.name);
-    const TriangleMesh mesh = shape.make();
+    const TriangleMesh mesh = shape.make(1);
     CHECK(diagnose(mesh).closed());
     CHECK(signed_volume(mesh) > 0);
     const Box3 box = bounding_box(mesh);
@@ -40,7 +40,7 @@ TEST_CASE("shapes are closed meshes within the cube") {
 }
 
 TEST_CASE("the wavy sphere is the one of its formula") {
-  const TriangleMesh mesh = bench_shapes()[0].make();
+  const TriangleMesh mesh = find_shape("wavy")->make(1);
   CHECK(mesh.triangles.size() >= 200000);
   for (std::size_t k = 0; k < mesh.vertices.size(); k += 97) {
     const Vec3 v = mesh.vertices[k];
@@ -50,9 +50,27 @@ TEST_CASE("the wavy sphere is the one of its formula") {
   }
 }
 
+TEST_CASE("a recipe of a shape says how large and how fine it is") {
+  for (const Shape& shape : shapes()) {
+    INFO(shape.name);
+    const auto mesh = make_shape(*parse_recipe(std::string(shape.name) + ":size=3"));
+    REQUIRE(mesh);
+    const Vec3 extent = bounding_box(*mesh).extent();
+    CHECK(std::max({extent.x, extent.y, extent.z}) == Approx(3).epsilon(1e-12));
+  }
+  const auto coarse = make_shape(*parse_recipe("sphere")),
+             fine = make_shape(*parse_recipe("sphere:detail=2"));
+  REQUIRE((coarse && fine));
+  CHECK(fine->triangles.size() == 4 * coarse->triangles.size());
+  CHECK(signed_volume(*fine) == Approx(0.5235987755982988).epsilon(1e-3));
+  CHECK(diagnose(*fine).closed());
+  for (const char* text : {"dodo", "sphere:size=0", "sphere:detail=17", "torus:hole=1"})
+    CHECK(make_shape(*parse_recipe(text)).error().code == ErrorCode::kUsage);
+}
+
 TEST_CASE("every shape goes with every tile, in a grid that is the cube") {
   CHECK(bench_tiles().size() == 4);
-  for (const BenchShape& shape : bench_shapes())
+  for (const Shape& shape : shapes())
     for (const BenchTile& tile : bench_tiles()) {
       if (shape.name != "sponge" && tile.name != "worley") continue;
       const CellObject object = scene(std::string(shape.name) + "-" + std::string(tile.name) + "-16x8");

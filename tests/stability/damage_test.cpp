@@ -4,7 +4,7 @@
 #include <set>
 
 #include "converters/stability/catalogue.h"
-#include "converters/stability/shapes.h"
+#include "sdk/core/primitives.h"
 #include "sdk/membership/diagnose.h"
 #include "tests/support/catch.h"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <thread>
 
-#include "converters/stability/shapes.h"
+#include "sdk/core/primitives.h"
 #include "tests/support/catch.h"
 
 using namespace mesocell;

@@ -2,7 +2,7 @@
 
 #include "converters/stability/damage.h"
 #include "converters/stability/measure.h"
-#include "converters/stability/shapes.h"
+#include "sdk/core/primitives.h"
 #include "tests/support/catch.h"
 
 using namespace mesocell;

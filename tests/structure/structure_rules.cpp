@@ -40,7 +40,7 @@ struct Folder {
   std::string_view may_include;  ///< folders, each followed by a blank
 };
 
-constexpr std::array<Folder, 19> kFolders = {{
+constexpr std::array<Folder, 20> kFolders = {{
     {"format/loader/", ""},
     {"format/", ""},
     {"sdk/core/", "format/ "},
@@ -53,9 +53,10 @@ constexpr std::array<Folder, 19> kFolders = {{
     {"sdk/shade/", "format/ sdk/core/ sdk/trace/ "},
     {"sdk/measure/", "format/ sdk/core/ sdk/trace/ "},
     {"converters/image/", "format/ sdk/ "},
-    {"converters/worker/", "format/ sdk/ converters/image/ "},
-    {"converters/export/", "format/ sdk/ converters/image/ converters/worker/ "},
+    {"converters/export/", "format/ sdk/ converters/image/ converters/import/ "},
     {"converters/import/", "format/ sdk/ converters/image/ "},
+    {"converters/worker/", "format/ sdk/ converters/image/ "},
+    {"converters/vdb/", "format/ sdk/ converters/image/ converters/import/ converters/worker/ "},
     {"converters/stability/", "format/ sdk/ converters/image/ "},
     {"converters/bench/", "format/ sdk/ converters/image/ converters/stability/ "},
     {"converters/cli/", "format/ sdk/ converters/ "},
@@ -73,7 +74,8 @@ constexpr std::array<ThirdParty, 14> kThirdParties = {{
     {"CGAL/", "sdk/membership/ sdk/wrap/ "},
     {"OpenMesh/", "converters/import/openmesh_reader.cpp "},
     {"OpenImageIO/", "converters/image/image_module.cpp "},
-    {"openvdb/", "converters/stability/methods/openvdb_module.cpp converters/bench/peers/ "},
+    {"openvdb/",
+     "converters/stability/methods/openvdb_module.cpp converters/bench/peers/ converters/vdb/vdb_worker "},
     {"nanovdb/", "converters/bench/peers/nanovdb_mask.cpp "},
     {"embree3/", "converters/bench/peers/embree_module.cpp "},
     {"tbb/", "converters/stability/methods/openvdb_module.cpp "},

@@ -241,28 +241,47 @@ TEST_CASE("what cannot be colored is refused for the right reason") {
   CHECK(make_instance_colors(nothing, sphere)->empty());
 }
 
-TEST_CASE("the recipe mesh colors the instances alone, and is refused early without colors") {
+TEST_CASE("colors of instances come in place of others, and not if they cannot be had") {
   TriangleMesh sphere = make_sphere({0, 0, 0}, 1, 20);
-  const auto make = [&](const char* recipe) { return make_colors(*parse_recipe(recipe), 8, sphere); };
-  CHECK(make("mesh").error().code == ErrorCode::kUsage);
-  CHECK(make_colors(*parse_recipe("mesh"), 8).error().code == ErrorCode::kUsage);
   color_by_place(sphere);
-  CHECK(make("mesh:seed=1").error().code == ErrorCode::kUsage);
-  CHECK(make("mesh:seed=1").error().message.find("none") != std::string::npos);
-  REQUIRE(make("mesh").ok());
-
+  Colors own;
+  own.instances = [&](const CellObject& object, unsigned threads, const Progress* progress) {
+    return make_instance_colors(object, sphere, threads, progress);
+  };
   CellObject object = author(sphere, "voronoi:cells=8,resolution=8,seed=1", 6);
   object.cell_colors.emplace().colors.assign(8, {1, 2, 3});
   const CellObject before = object;
   const std::atomic<bool> cancel{true};
   const Progress progress{{}, &cancel};
-  CHECK(apply_colors(*make("mesh"), sphere, object, 1, &progress).error().code == ErrorCode::kCancelled);
+  CHECK(apply_colors(own, object, 1, &progress).error().code == ErrorCode::kCancelled);
   CHECK(object == before);
-  REQUIRE(apply_colors(*make("mesh"), sphere, object));
+  REQUIRE(apply_colors(own, object));
   CHECK(object.instance_colors->colors == *make_instance_colors(object, sphere));
   CHECK_FALSE(object.cell_colors.has_value());
   CHECK_FALSE(object.color.has_value());
-  REQUIRE(apply_colors(*make("marble:resolution=8"), sphere, object));
+  REQUIRE(apply_colors(*make_colors(*parse_recipe("marble:resolution=8"), 8), object));
   CHECK_FALSE(object.instance_colors.has_value());
   CHECK(object.color.has_value());
+}
+
+TEST_CASE("what is painted on a mesh comes into the colors of its instances") {
+  TriangleMesh sphere = make_sphere({0, 0, 0}, 1, 20);
+  const CellObject object = author(sphere, "voronoi:cells=8,resolution=8,seed=1", 6);
+  SurfacePaint paint;
+  CHECK(make_instance_colors(object, sphere, paint).error().code == ErrorCode::kUsage);
+  paint.materials = {{{1, 0, 0}, {}}, {{0, 1, 0}, {}}};
+  for (const Triangle& t : sphere.triangles)
+    paint.material_indices.push_back(
+        sphere.vertices[t[0]].z + sphere.vertices[t[1]].z + sphere.vertices[t[2]].z > 0 ? 1 : 0);
+  const Result<std::vector<Rgb8>> colors = make_instance_colors(object, sphere, paint, 2);
+  REQUIRE(colors);
+  const std::vector<Vec3> centres = centres_of(object);
+  REQUIRE(colors->size() == centres.size());
+  std::size_t checked = 0;
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    if (std::abs(centres[i].z) < 0.2) continue;
+    ++checked;
+    CHECK((*colors)[i] == (centres[i].z > 0 ? Rgb8{0, 255, 0} : Rgb8{255, 0, 0}));
+  }
+  CHECK(checked > 100);
 }

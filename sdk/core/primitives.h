@@ -2,10 +2,11 @@
 
 #include <cstdint>
 
+#include "format/api.h"
 #include "sdk/core/triangle_mesh.h"
 
-/// Clean meshes to damage: closed, without self-intersections, outward; the same on every machine.
-namespace mesocell {
+/// Meshes of simple shapes: closed, without self-intersections, outward; the same on every machine.
+namespace mesocell MESOCELL_API {
 
 /// A tube along a trefoil knot, about 6 across, `around` × `across` quads of two triangles.
 [[nodiscard]] TriangleMesh make_knot(std::uint32_t around, std::uint32_t across);
@@ -19,6 +20,10 @@ namespace mesocell {
 
 /// A box of twelve triangles.
 [[nodiscard]] TriangleMesh make_box(Vec3 low, Vec3 high);
+
+/// A cylinder about the y axis from y = 0 up, or a cone if its upper radius is 0; `around` sides.
+[[nodiscard]] TriangleMesh make_cylinder(double lower_radius, double upper_radius, double height,
+                                         std::uint32_t around);
 
 /// The second mesh beside the first.
 void append(TriangleMesh& mesh, const TriangleMesh& other);

@@ -1,4 +1,4 @@
-#include "converters/bench/shapes.h"
+#include "sdk/core/shapes.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <map>
 
-#include "converters/stability/shapes.h"
+#include "format/result.h"
+#include "sdk/core/portable_math.h"
+#include "sdk/core/primitives.h"
 
 namespace mesocell {
 namespace {
@@ -19,17 +21,15 @@ void fit(TriangleMesh& mesh, double reach) {
   for (Vec3& v : mesh.vertices) v = (v - centre) * scale;
 }
 
-/// A sphere of radius R = 0.45 with bumps of 0.04 R: r + 0.04 R sin(8.19 x) sin(10.24 y) sin(12.29 z) ≤ R. It
-/// takes the machine's sine, whose last digit differs between machines: by less than what a vertex is
-/// rounded.
-TriangleMesh make_wavy() {
+/// A sphere of radius R = 0.45 with bumps of 0.04 R: r + 0.04 R sin(8.19 x) sin(10.24 y) sin(12.29 z) ≤ R.
+TriangleMesh make_wavy(std::uint32_t detail) {
   constexpr double kRadius = 0.45, kBump = 0.04 * kRadius;
-  constexpr std::uint32_t kQuads = 192;
-  TriangleMesh mesh = make_sphere(1, 0, kQuads);
+  TriangleMesh mesh = make_sphere(1, 0, 192 * detail);
   for (Vec3& v : mesh.vertices) {
     const Vec3 d = normalize(v);
     const auto outside = [&](double r) {
-      return r + kBump * std::sin(8.19 * r * d.x) * std::sin(10.24 * r * d.y) * std::sin(12.29 * r * d.z) >
+      return r + kBump * portable_sine(8.19 * r * d.x) * portable_sine(10.24 * r * d.y) *
+                     portable_sine(12.29 * r * d.z) >
              kRadius;
     };
     // The left side grows with r, for the slope of the bumps is below 0.6.
@@ -43,20 +43,20 @@ TriangleMesh make_wavy() {
   return mesh;
 }
 
-TriangleMesh make_fitted_torus() {
-  TriangleMesh mesh = make_torus(0.32, 0.13, 160, 80);
+TriangleMesh make_fitted_torus(std::uint32_t detail) {
+  TriangleMesh mesh = make_torus(0.32, 0.13, 160 * detail, 80 * detail);
   fit(mesh, 0.45);
   return mesh;
 }
 
-TriangleMesh make_fitted_knot() {
-  TriangleMesh mesh = make_knot(400, 48);
+TriangleMesh make_fitted_knot(std::uint32_t detail) {
+  TriangleMesh mesh = make_knot(400 * detail, 48 * detail);
   fit(mesh, 0.47);
   return mesh;
 }
 
 /// A plate with low hills towards -z, 0.2 grid edges thick: what rays graze.
-TriangleMesh make_slab() {
+TriangleMesh make_slab(std::uint32_t) {
   constexpr std::uint32_t kQuads = 128, kRow = kQuads + 1;
   TriangleMesh mesh;
   for (const bool top : {false, true})
@@ -89,7 +89,7 @@ TriangleMesh make_slab() {
 }
 
 /// Leaning needles, six-sided, 8 × 8 of them: mostly empty, with silhouettes everywhere.
-TriangleMesh make_needles() {
+TriangleMesh make_needles(std::uint32_t) {
   // Sines and cosines of a sixth of a turn.
   constexpr std::array<std::array<double, 2>, 6> kSides = {{{1, 0},
                                                             {0.5, 0.8660254037844386},
@@ -122,7 +122,7 @@ TriangleMesh make_needles() {
 }
 
 /// A Menger sponge of 9³ cubes: tunnels through and through, and faces along the axes.
-TriangleMesh make_sponge() {
+TriangleMesh make_sponge(std::uint32_t) {
   constexpr int kCubes = 9;
   const auto solid = [](int x, int y, int z) {
     if (x < 0 || y < 0 || z < 0 || x >= kCubes || y >= kCubes || z >= kCubes) return false;
@@ -164,10 +164,30 @@ TriangleMesh make_sponge() {
   return mesh;
 }
 
-constexpr std::array<BenchShape, 6> kShapes = {{
-    {"wavy", "a sphere with bumps", make_wavy},
+TriangleMesh make_ball(std::uint32_t detail) { return make_sphere(0.45, 0, 64 * detail); }
+
+TriangleMesh make_cube(std::uint32_t) { return make_box({-0.45, -0.45, -0.45}, {0.45, 0.45, 0.45}); }
+
+TriangleMesh make_upright_cylinder(std::uint32_t detail) {
+  TriangleMesh mesh = make_cylinder(0.3, 0.3, 0.9, 96 * detail);
+  fit(mesh, 0.45);
+  return mesh;
+}
+
+TriangleMesh make_cone(std::uint32_t detail) {
+  TriangleMesh mesh = make_cylinder(0.4, 0, 0.9, 96 * detail);
+  fit(mesh, 0.45);
+  return mesh;
+}
+
+constexpr std::array<Shape, 10> kShapes = {{
+    {"sphere", "a sphere", make_ball},
+    {"box", "a cube", make_cube},
+    {"cylinder", "an upright cylinder", make_upright_cylinder},
+    {"cone", "an upright cone", make_cone},
     {"torus", "a torus about a tilted axis", make_fitted_torus},
     {"knot", "a tube along a trefoil knot", make_fitted_knot},
+    {"wavy", "a sphere with bumps", make_wavy},
     {"slab", "a plate with low hills", make_slab},
     {"needles", "64 leaning needles", make_needles},
     {"sponge", "a Menger sponge of 9³ cubes", make_sponge},
@@ -175,6 +195,39 @@ constexpr std::array<BenchShape, 6> kShapes = {{
 
 }  // namespace
 
-std::span<const BenchShape> bench_shapes() { return kShapes; }
+std::span<const Shape> shapes() { return kShapes; }
+
+const Shape* find_shape(std::string_view name) {
+  for (const Shape& shape : kShapes)
+    if (shape.name == name) return &shape;
+  return nullptr;
+}
+
+Result<TriangleMesh> make_shape(const Recipe& recipe) {
+  const Shape* const shape = find_shape(recipe.name);
+  if (!shape) {
+    std::string names;
+    for (const Shape& s : kShapes) names += (names.empty() ? "" : ", ") + std::string(s.name);
+    return Error{ErrorCode::kUsage, "there is no shape '" + recipe.name + "'; there are: " + names};
+  }
+  constexpr std::array<std::string_view, 2> kOptions = {"size", "detail"};
+  if (const Status status = check_options(recipe, "shape", kOptions); !status) return status.error();
+  const auto size = number_option(recipe, "size", 1, 1e-300, 1e300);
+  if (!size) return size.error();
+  const auto detail = whole_option(recipe, "detail", 1, 1, 16);
+  if (!detail) return detail.error();
+  TriangleMesh mesh = shape->make(std::uint32_t(*detail));
+  fit(mesh, *size / 2);
+  return mesh;
+}
+
+std::string shapes_help() {
+  std::string text;
+  for (const Shape& shape : kShapes)
+    text += "shape:" + std::string(shape.name) + "   " + std::string(shape.description) + "\n";
+  return text +
+         "size: the longest side in metres [1]; detail: how finely round parts are cut, 1 to 16 [1]: "
+         "shape:torus:size=2,detail=3\n";
+}
 
 }  // namespace mesocell

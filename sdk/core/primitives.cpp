@@ -1,4 +1,4 @@
-#include "converters/stability/shapes.h"
+#include "sdk/core/primitives.h"
 
 #include <array>
 #include <cmath>
@@ -7,16 +7,14 @@
 namespace mesocell {
 namespace {
 
-/// Sine and cosine of a whole number of n-ths of a turn by their series, without the machine's library, whose
+/// Sine and cosine by their series, without the machine's library, whose
 /// last digits differ.
 struct SinCos {
   double sin, cos;
 };
 
-SinCos sin_cos(std::int64_t k, std::uint32_t n) {
-  const std::int64_t turn = (k % n + n) % n;
-  double x = 2 * std::numbers::pi * (double(turn) / n);
-  if (x > std::numbers::pi) x -= 2 * std::numbers::pi;
+/// `x` in [-π, π].
+SinCos sin_cos_series(double x) {
   double sin = 0, cos = 0, term = 1;
   for (int i = 0; i < 32; i += 2) {
     cos += i % 4 == 0 ? term : -term;
@@ -25,6 +23,12 @@ SinCos sin_cos(std::int64_t k, std::uint32_t n) {
     term *= x / (i + 2);
   }
   return {sin, cos};
+}
+
+SinCos sin_cos(std::int64_t k, std::uint32_t n) {
+  const std::int64_t turn = (k % n + n) % n;
+  const double x = 2 * std::numbers::pi * (double(turn) / n);
+  return sin_cos_series(x > std::numbers::pi ? x - 2 * std::numbers::pi : x);
 }
 
 /// Quads of a grid that closes in both directions.
@@ -42,6 +46,34 @@ void make_outward(TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+TriangleMesh make_cylinder(double lower_radius, double upper_radius, double height, std::uint32_t around) {
+  TriangleMesh mesh;
+  const bool cone = upper_radius == 0;
+  for (std::uint32_t k = 0; k < around; ++k) {
+    const SinCos a = sin_cos(k, around);
+    mesh.vertices.push_back({lower_radius * a.cos, 0, lower_radius * a.sin});
+  }
+  for (std::uint32_t k = 0; k < around && !cone; ++k) {
+    const SinCos a = sin_cos(k, around);
+    mesh.vertices.push_back({upper_radius * a.cos, height, upper_radius * a.sin});
+  }
+  const auto bottom = std::uint32_t(mesh.vertices.size()), top = bottom + 1;
+  mesh.vertices.push_back({0, 0, 0});
+  mesh.vertices.push_back({0, height, 0});
+  for (std::uint32_t k = 0; k < around; ++k) {
+    const std::uint32_t next = (k + 1) % around;
+    mesh.triangles.push_back({bottom, k, next});
+    if (cone) {
+      mesh.triangles.push_back({k, top, next});
+      continue;
+    }
+    mesh.triangles.push_back({k, k + around, next});
+    mesh.triangles.push_back({next, k + around, next + around});
+    mesh.triangles.push_back({top, next + around, k + around});
+  }
+  return mesh;
+}
 
 TriangleMesh make_knot(std::uint32_t around, std::uint32_t across) {
   constexpr double kRadius = 0.45;

@@ -1,0 +1,156 @@
+#include "converters/import/mesh_materials.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include "converters/image/image_reader.h"
+#include "converters/import/gltf_file.h"
+#include "converters/import/mesh_message.h"
+#include "converters/import/mesh_text.h"
+#include "converters/import/mtl.h"
+#include "converters/import/plain_file.h"
+#include "sdk/core/srgb.h"
+
+namespace mesocell {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kMaxMtlBytes = std::uint64_t{1} << 28, kMaxPictureBytes = std::uint64_t{1} << 31;
+constexpr std::size_t kMaxWarnings = 20;
+
+/// Pictures of floats come by the image library, all others by the worker.
+Result<TextureImage> read_texture(const std::string& path, const Progress* progress) {
+  const std::string extension = fs::path(path).extension().string();
+  if (extension == ".exr" || extension == ".hdr" || extension == ".EXR" || extension == ".HDR") {
+    Result<Image> image = read_image_file(path, {kMaxPictureBytes, kMaxTexels * 12, 64});
+    if (!image) return image.error();
+    to_linear(*image);
+    std::array<std::size_t, 3> channels{};
+    const auto gray = find_channel(*image, "Y");
+    constexpr std::array<std::string_view, 3> kNames = {"R", "G", "B"};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto channel = find_channel(*image, kNames[k]);
+      if (!channel && !gray)
+        return Error{ErrorCode::kInvalidInput, "it has no channels R, G and B; save it with them"};
+      channels[k] = channel ? *channel : *gray;
+    }
+    TextureImage texture{image->width, image->height, {}};
+    const std::size_t step = image->channels.size();
+    for (std::size_t i = 0; i < image->pixels.size(); i += step)
+      texture.texels.push_back(
+          linear_to_srgb8(Vec3{double{image->pixels[i + channels[0]]}, double{image->pixels[i + channels[1]]},
+                               double{image->pixels[i + channels[2]]}}));
+    return texture;
+  }
+  const Result<std::vector<std::byte>> bytes = read_plain_file(path, kMaxPictureBytes);
+  if (!bytes) return bytes.error();
+  return decode_texture(*bytes, progress);
+}
+
+class MaterialReader {
+ public:
+  MaterialReader(const std::string& path, PlainMesh& mesh, std::vector<MeshWarning>& warnings,
+                 const Progress* progress)
+      : folder_(fs::path(path).parent_path()), mesh_(mesh), warnings_(warnings), progress_(progress) {}
+
+  Status read() {
+    SurfacePaint& paint = mesh_.paint;
+    std::map<std::string, MtlMaterial> found;
+    for (const std::string& name : mesh_.material_files) read_mtl(name, found);
+    const bool has_files = !mesh_.material_files.empty();
+    bool any = false;
+    for (const std::string& name : mesh_.materials) {
+      if (progress_ && progress_->cancelled()) return cancelled();
+      PaintMaterial material;
+      if (mesh_.extension != "obj") {
+        add_texture(name, material);
+      } else if (const auto place = found.find(name); place != found.end()) {
+        any = true;
+        material.base_color = place->second.diffuse;
+        if (!place->second.diffuse_map.empty()) add_texture(place->second.diffuse_map, material);
+      } else if (has_files) {
+        warn("material-missing", "the material " + name + " is in no file that the mesh names; it is white");
+      }
+      any = any || material.texture;
+      paint.materials.push_back(material);
+    }
+    // Materials of which nothing is known color nothing.
+    if (!any) paint = {std::move(paint.face_colors), {}, {}, {}, {}};
+    return {};
+  }
+
+ private:
+  void warn(const char* id, std::string text) {
+    if (warnings_.size() < kMaxWarnings) warnings_.push_back({id, std::move(text)});
+  }
+
+  /// Where a file is that the mesh names; programs of another system write "\".
+  [[nodiscard]] std::string place(std::string name) const {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    name.erase(std::remove(name.begin(), name.end(), '\0'), name.end());
+    fs::path path(name);
+    if (path.is_absolute() || (name.size() > 1 && name[1] == ':')) path = path.filename();
+    return (folder_ / path).string();
+  }
+
+  void read_mtl(const std::string& name, std::map<std::string, MtlMaterial>& found) {
+    // One name with blanks, or several.
+    std::vector<std::string> names = {name};
+    std::error_code error;
+    if (!fs::exists(place(name), error) && name.find(' ') != name.npos) {
+      names.clear();
+      std::string_view rest = name;
+      for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest))
+        names.emplace_back(word);
+    }
+    for (const std::string& file : names) {
+      const Result<std::vector<std::byte>> bytes = read_plain_file(place(file), kMaxMtlBytes);
+      if (!bytes) {
+        warn("material-missing", "the materials " + file + " cannot be read: " + bytes.error().message);
+        continue;
+      }
+      for (MtlMaterial& material : parse_mtl({reinterpret_cast<const char*>(bytes->data()), bytes->size()})) {
+        std::string key = material.name;
+        found.try_emplace(std::move(key), std::move(material));
+      }
+    }
+  }
+
+  void add_texture(const std::string& name, PaintMaterial& material) {
+    if (mesh_.paint.uvs.empty()) return;
+    const auto [known, is_new] = images_.try_emplace(name);
+    if (is_new) {
+      Result<TextureImage> image = read_texture(place(name), progress_);
+      if (image && image->texels.size() > kMaxTexels - texels_)
+        image = Error{ErrorCode::kLimit, "the pictures have too many pixels together; use smaller ones"};
+      if (image) {
+        texels_ += image->texels.size();
+        known->second = std::uint32_t(mesh_.paint.images.size());
+        mesh_.paint.images.push_back(std::move(*image));
+      } else {
+        warn("texture-missing", "the picture " + name + " is left out: " + image.error().message);
+      }
+    }
+    if (known->second) material.texture = TextureUse{*known->second, {}, {}};
+  }
+
+  fs::path folder_;
+  PlainMesh& mesh_;
+  std::vector<MeshWarning>& warnings_;
+  const Progress* progress_;
+  std::map<std::string, std::optional<std::uint32_t>> images_;
+  std::uint64_t texels_ = 0;
+};
+
+}  // namespace
+
+Status read_materials(const std::string& path, PlainMesh& mesh, std::vector<MeshWarning>& warnings,
+                      const Progress* progress) {
+  return MaterialReader(path, mesh, warnings, progress).read();
+}
+
+}  // namespace mesocell

@@ -1,0 +1,240 @@
+#include "converters/mesh_worker/gltf_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "converters/import/mesh_message.h"
+#include "converters/mesh_worker/gltf_accessor.h"
+#include "converters/mesh_worker/texture_decoder.h"
+#include "sdk/core/srgb.h"
+
+namespace mesocell {
+namespace {
+
+constexpr std::uint64_t kMaxTriangles = std::uint64_t{1} << 28;
+constexpr Rgb8 kWhite{255, 255, 255};
+
+/// Places points: columns of the linear part, and where the origin goes.
+struct Placement {
+  std::array<Vec3, 3> axes{Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  Vec3 origin;
+
+  [[nodiscard]] Vec3 turn(Vec3 p) const { return axes[0] * p.x + axes[1] * p.y + axes[2] * p.z; }
+  [[nodiscard]] Vec3 apply(Vec3 p) const { return turn(p) + origin; }
+  [[nodiscard]] bool mirrors() const { return dot(cross(axes[0], axes[1]), axes[2]) < 0; }
+};
+
+Placement operator*(const Placement& outer, const Placement& inner) {
+  Placement product;
+  for (std::size_t k = 0; k < 3; ++k) product.axes[k] = outer.turn(inner.axes[k]);
+  product.origin = outer.apply(inner.origin);
+  return product;
+}
+
+Placement placement_of(const tinygltf::Node& node) {
+  Placement p;
+  if (node.matrix.size() == 16) {
+    const std::vector<double>& m = node.matrix;
+    for (std::size_t k = 0; k < 3; ++k) p.axes[k] = {m[4 * k], m[4 * k + 1], m[4 * k + 2]};
+    p.origin = {m[12], m[13], m[14]};
+    return p;
+  }
+  if (node.rotation.size() == 4) {
+    const double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
+    const double n = x * x + y * y + z * z + w * w, s = n > 0 ? 2 / n : 0;
+    p.axes[0] = {1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)};
+    p.axes[1] = {s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)};
+    p.axes[2] = {s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)};
+  }
+  if (node.scale.size() == 3)
+    for (std::size_t k = 0; k < 3; ++k) p.axes[k] = p.axes[k] * node.scale[k];
+  if (node.translation.size() == 3)
+    p.origin = {node.translation[0], node.translation[1], node.translation[2]};
+  return p;
+}
+
+TextureWrap wrap_of(int mode) {
+  return mode == 33071 ? TextureWrap::kClamp : mode == 33648 ? TextureWrap::kMirror : TextureWrap::kRepeat;
+}
+
+double number_of(const tinygltf::Value& value, double otherwise) {
+  return value.IsNumber() ? value.GetNumberAsDouble() : otherwise;
+}
+
+std::array<double, 2> pair_of(const tinygltf::Value& value, std::array<double, 2> otherwise) {
+  if (!value.IsArray() || value.ArrayLen() != 2) return otherwise;
+  return {number_of(value.Get(0), otherwise[0]), number_of(value.Get(1), otherwise[1])};
+}
+
+/// Reads the materials; `sets`: which texture coordinates each of them wants.
+void read_materials(const tinygltf::Model& model, SurfacePaint& paint, std::vector<int>& sets) {
+  for (const tinygltf::Material& source : model.materials) {
+    PaintMaterial material;
+    const auto& pbr = source.pbrMetallicRoughness;
+    for (std::size_t k = 0; k < 3 && k < pbr.baseColorFactor.size(); ++k)
+      material.base_color[k] = std::clamp(pbr.baseColorFactor[k], 0.0, 1.0);
+    const tinygltf::TextureInfo& info = pbr.baseColorTexture;
+    sets.push_back(info.texCoord);
+    if (info.index >= 0 && std::size_t(info.index) < model.textures.size()) {
+      const tinygltf::Texture& texture = model.textures[std::size_t(info.index)];
+      const std::size_t image = texture.source >= 0 ? std::size_t(texture.source) : paint.images.size();
+      if (image < paint.images.size() && !paint.images[image].texels.empty()) {
+        TextureUse use;
+        use.image = std::uint32_t(image);
+        if (texture.sampler >= 0 && std::size_t(texture.sampler) < model.samplers.size()) {
+          const tinygltf::Sampler& sampler = model.samplers[std::size_t(texture.sampler)];
+          use.wrap = {wrap_of(sampler.wrapS), wrap_of(sampler.wrapT)};
+        }
+        const auto transform = info.extensions.find("KHR_texture_transform");
+        if (transform != info.extensions.end()) {
+          use.transform.offset = pair_of(transform->second.Get("offset"), {0, 0});
+          use.transform.scale = pair_of(transform->second.Get("scale"), {1, 1});
+          use.transform.rotation = number_of(transform->second.Get("rotation"), 0);
+        }
+        material.texture = use;
+      }
+    }
+    paint.materials.push_back(std::move(material));
+  }
+}
+
+/// Pictures that cannot be decoded are left without texels; tinygltf goes on.
+struct Pictures {
+  std::vector<TextureImage> images;
+  std::vector<MeshWarning> warnings;
+  std::uint64_t texels = 0;
+};
+
+bool load_picture(tinygltf::Image*, const int index, std::string*, std::string*, int, int,
+                  const unsigned char* bytes, int size, void* context) {
+  Pictures& pictures = *static_cast<Pictures*>(context);
+  if (pictures.images.size() <= std::size_t(index)) pictures.images.resize(std::size_t(index) + 1);
+  Result<TextureImage> image = decode_picture(std::as_bytes(std::span(bytes, std::size_t(std::max(size, 0)))),
+                                              kMaxTexels - pictures.texels);
+  if (!image) {
+    pictures.warnings.push_back(
+        {"texture-missing", "image " + std::to_string(index) + " is left out: " + image.error().message});
+    return true;
+  }
+  pictures.texels += image->texels.size();
+  pictures.images[std::size_t(index)] = std::move(*image);
+  return true;
+}
+
+/// Puts the primitives of a scene into one mesh.
+class SceneMesh {
+ public:
+  SceneMesh(const tinygltf::Model& model, WorkerMesh& out) : model_(model), out_(out) {
+    read_materials(model, out.painted.paint, sets_);
+    // Pictures that were not decoded have no use left, but are counted.
+    for (TextureImage& image : out.painted.paint.images)
+      if (image.texels.empty()) image = {1, 1, {kWhite}};
+    has_uvs_ = std::any_of(out.painted.paint.materials.begin(), out.painted.paint.materials.end(),
+                           [](const PaintMaterial& m) { return m.texture.has_value(); });
+  }
+
+  Status add(const tinygltf::Primitive& primitive, const Placement& placement) {
+    Result<GltfPrimitive> read = read_primitive(model_, primitive, texture_set(primitive));
+    if (!read) return read.error();
+    TriangleMesh& mesh = out_.painted.mesh;
+    SurfacePaint& paint = out_.painted.paint;
+    if (mesh.triangles.size() + read->triangles.size() > kMaxTriangles ||
+        mesh.vertices.size() + read->positions.size() > 0x7fff'fff0)
+      return Error{ErrorCode::kLimit, "the scene has more than " + std::to_string(kMaxTriangles) +
+                                          " triangles; use a smaller one"};
+    const std::uint32_t first = std::uint32_t(mesh.vertices.size());
+    for (const Vec3& p : read->positions) {
+      const Vec3 placed = placement.apply(p);
+      if (!is_finite(placed))
+        return Error{ErrorCode::kInvalidInput,
+                     "the scene has a vertex whose place is not finite (NaN or infinite); repair it"};
+      mesh.vertices.push_back(placed);
+    }
+    if (!read->colors.empty() && mesh.colors.empty()) mesh.colors.assign(first, kWhite);
+    for (const Vec3& color : read->colors) mesh.colors.push_back(linear_to_srgb8(color));
+    if (!mesh.colors.empty()) mesh.colors.resize(mesh.vertices.size(), kWhite);
+
+    const bool mirrors = placement.mirrors();
+    out_.polygons += read->triangles.size();
+    for (Triangle t : read->triangles) {
+      if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+        ++out_.dropped_faces;
+        continue;
+      }
+      if (mirrors) std::swap(t[1], t[2]);
+      if (has_uvs_) {
+        std::array<Uv, 3> uvs{};
+        for (std::size_t k = 0; k < 3 && !read->uvs.empty(); ++k) uvs[k] = read->uvs[t[k]];
+        paint.uvs.push_back(uvs);
+      }
+      if (!paint.materials.empty())
+        paint.material_indices.push_back(primitive.material >= 0 &&
+                                                 std::size_t(primitive.material) < paint.materials.size()
+                                             ? std::uint32_t(primitive.material)
+                                             : SurfacePaint::kNoMaterial);
+      mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    }
+    return {};
+  }
+
+ private:
+  /// Of its material's texture; -1 if it needs no texture coordinates.
+  [[nodiscard]] int texture_set(const tinygltf::Primitive& primitive) const {
+    const auto& materials = out_.painted.paint.materials;
+    if (primitive.material < 0 || std::size_t(primitive.material) >= materials.size()) return -1;
+    return materials[std::size_t(primitive.material)].texture ? sets_[std::size_t(primitive.material)] : -1;
+  }
+
+  const tinygltf::Model& model_;
+  WorkerMesh& out_;
+  std::vector<int> sets_;
+  bool has_uvs_ = false;
+};
+
+Error broken(const std::string& why) {
+  return {ErrorCode::kInvalidInput, "the scene cannot be understood (" + why + "); export it again"};
+}
+
+}  // namespace
+
+Result<WorkerMesh> read_gltf_scene(std::span<const std::byte> glb) {
+  tinygltf::TinyGLTF loader;
+  tinygltf::Model model;
+  Pictures pictures;
+  loader.SetImageLoader(load_picture, &pictures);
+  std::string error, warning;
+  if (!loader.LoadBinaryFromMemory(&model, &error, &warning,
+                                   reinterpret_cast<const unsigned char*>(glb.data()), unsigned(glb.size())))
+    return broken(error.substr(0, 200));
+  WorkerMesh out;
+  out.warnings = std::move(pictures.warnings);
+  out.painted.paint.images = std::move(pictures.images);
+  SceneMesh scene(model, out);
+
+  struct Visit {
+    std::size_t node;
+    Placement placement;
+  };
+  std::vector<Visit> open;
+  if (model.scenes.size() != 1) return broken("no scene");
+  std::uint64_t visited = 0;
+  for (auto root = model.scenes[0].nodes.rbegin(); root != model.scenes[0].nodes.rend(); ++root)
+    open.push_back({std::size_t(*root), {}});
+  while (!open.empty()) {
+    const Visit visit = open.back();
+    open.pop_back();
+    if (visit.node >= model.nodes.size() || ++visited > model.nodes.size())
+      return broken("nodes are no tree");
+    const tinygltf::Node& node = model.nodes[visit.node];
+    const Placement placement = visit.placement * placement_of(node);
+    if (node.mesh >= 0 && std::size_t(node.mesh) < model.meshes.size())
+      for (const tinygltf::Primitive& primitive : model.meshes[std::size_t(node.mesh)].primitives)
+        if (Status status = scene.add(primitive, placement); !status) return status.error();
+    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+      open.push_back({std::size_t(*child), placement});
+  }
+  return out;
+}
+
+}  // namespace mesocell

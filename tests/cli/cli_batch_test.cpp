@@ -1,0 +1,155 @@
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/cli/run_command.h"
+#include "tests/import/mesh_bytes.h"
+#include "tests/support/catch.h"
+#include "tests/support/shapes.h"
+
+using namespace mesocell;
+using namespace mesocell::test;
+
+namespace {
+
+const std::vector<std::string> kSmall = {"--tiles", "4", "--tile", "voronoi:cells=4,resolution=8,seed=2"};
+
+Run convert(std::vector<std::string> words, const std::vector<std::string>& more = {},
+            const RunOptions& options = {}) {
+  words.insert(words.begin(), "convert");
+  words.insert(words.end(), kSmall.begin(), kSmall.end());
+  words.insert(words.end(), more.begin(), more.end());
+  return run_command(words, options);
+}
+
+}  // namespace
+
+TEST_CASE("a batch makes every file, and leaves those that are up to date") {
+  const TempFolder folder;
+  const std::string ball = folder.write("ball.obj", mesh_bytes(make_sphere({0, 0, 0}, 1, 12), "mesh.obj"));
+  const std::string box = folder.write("box.ply", mesh_bytes(make_box({0, 0, 0}, {1, 1, 2}), "little.ply"));
+  const std::string out = folder.file("out/");
+  Run run = convert({ball, box, "shape:torus", out}, {"--json"});
+  INFO(run.err);
+  REQUIRE(run.exit == 0);
+  CHECK(run.json()["made"] == 3);
+  CHECK(run.json()["files"][1]["status"] == "made");
+  CHECK(run.json()["files"][1]["report"]["tiles"].size() == 3);
+  for (const char* name : {"ball.meso", "box.meso", "shape-torus.meso"}) {
+    INFO(name);
+    CHECK(std::filesystem::exists(out + name));
+  }
+  // As if it were made alone.
+  REQUIRE(convert({ball, folder.file("alone.meso")}).exit == 0);
+  CHECK(read_bytes(out + "ball.meso") == read_bytes(folder.file("alone.meso")));
+
+  run = convert({ball, box, "shape:torus", out}, {"--json"});
+  CHECK(run.json()["up_to_date"] == 3);
+  // Another file, an output that went, other options, or force.
+  folder.write("ball.obj", mesh_bytes(make_sphere({0, 0, 0}, 2, 12), "mesh.obj"));
+  std::filesystem::remove(out + "box.meso");
+  run = convert({ball, box, "shape:torus", out}, {"--json"});
+  CHECK(run.json()["made"] == 2);
+  CHECK(run.json()["files"][2]["status"] == "up-to-date");
+  run = convert({ball, box, "shape:torus", out}, {"--json", "--rule", "conservative"});
+  CHECK(run.json()["made"] == 3);
+  run = convert({ball, box, "shape:torus", out},
+                {"--json", "--rule", "conservative", "--force", "--jobs", "1"});
+  CHECK(run.json()["made"] == 3);
+}
+
+TEST_CASE("a list names inputs, names that meet are told apart") {
+  const TempFolder folder;
+  const std::string box = mesh_bytes(make_box({0, 0, 0}, {1, 1, 2}), "mesh.obj");
+  folder.write("a.obj", box);
+  folder.write("a.ply", mesh_bytes(make_box({0, 0, 0}, {1, 1, 2}), "text.ply"));
+  std::filesystem::create_directory(folder.file("b"));
+  folder.write("b/a.obj", box);
+  const std::string list = folder.write("list.txt", "# meshes\n" + folder.file("a.obj") + "\r\n\n" +
+                                                        folder.file("a.ply") + "\n" + folder.file("b/a.obj"));
+  const std::string out = folder.file("out/");
+  const Run run = convert({"@" + list, out});
+  INFO(run.err);
+  REQUIRE(run.exit == 0);
+  CHECK(run.out.find("3 made, 0 up to date, 0 failed") != std::string::npos);
+  for (const char* name : {"a.obj.meso", "a.ply.meso", "a.obj-2.meso"}) {
+    INFO(name);
+    CHECK(std::filesystem::exists(out + name));
+  }
+  const Run assets = run_command(
+      {"convert", out + "a.ply.meso", out + "a.obj.meso", folder.file("tiles/"), "--to", "json", "--json"});
+  INFO(assets.err);
+  CHECK(assets.exit == 0);
+  CHECK(std::filesystem::exists(folder.file("tiles/a.ply.json")));
+}
+
+TEST_CASE("a file that fails ends a batch, or costs itself alone") {
+  const TempFolder folder;
+  const std::string box = folder.write("box.obj", mesh_bytes(make_box({0, 0, 0}, {1, 1, 2}), "mesh.obj"));
+  const std::string bad = folder.write("bad.obj", "f 1 2 3\n");
+  const std::string out = folder.file("out/");
+  Run run = convert({bad, box, out}, {"--jobs", "1"});
+  CHECK(run.exit == 3);
+  CHECK(run.out.find("failed     " + bad) != std::string::npos);
+  CHECK(run.out.find("0 made, 0 up to date, 1 failed, 1 not begun") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(out + "box.meso"));
+  run = convert({bad, box, folder.file("none.stl"), out}, {"--keep-going", "--json"});
+  CHECK(run.exit == 3);
+  CHECK(run.json()["made"] == 1);
+  CHECK(run.json()["failed"] == 2);
+  CHECK(run.json()["files"][0]["message"].get<std::string>().find("uses vertex") != std::string::npos);
+  CHECK(run.json()["files"][2]["exit"] == 3);
+  CHECK(std::filesystem::exists(out + "box.meso"));
+  CHECK_FALSE(std::filesystem::exists(out + "bad.meso"));
+}
+
+TEST_CASE("mistakes with batches end with 2 and say what to do") {
+  const TempFolder folder;
+  const std::string list = folder.write("list.txt", "# nothing\n"), box = folder.write("box.obj", "");
+  for (const auto& [words, hint] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"@" + list, folder.file("out/")}, "names no file"},
+           {{"@" + list, folder.file("out.meso")}, "end its name with /"},
+           {{box, folder.file("out/"), "--to", "a/b"}, "no extension"},
+           {{box, folder.file("out/"), "--jobs", "0"}, "--jobs"}}) {
+    const Run run = convert(words);
+    INFO(run.err);
+    CHECK(run.exit == 2);
+    CHECK(run.messages() == 1);
+    CHECK(run.err.find(hint) != std::string::npos);
+  }
+  const Run missing = convert({"@" + folder.file("none.txt"), folder.file("out/")});
+  CHECK(missing.exit == 3);
+  const Run blocked = convert({box, box, folder.write("file", "x") + "/"});
+  CHECK(blocked.exit == 4);
+}
+
+TEST_CASE("an interrupted batch leaves whole files and begins there again") {
+  const TempFolder folder;
+  std::vector<std::string> words;
+  for (int k = 0; k < 12; ++k)
+    words.push_back(folder.write("box" + std::to_string(k) + ".obj",
+                                 mesh_bytes(make_box({0, 0, 0}, {1, 1, 1.0 + k}), "mesh.obj")));
+  const std::string out = folder.file("out/");
+  words.push_back(out);
+  RunOptions options;
+  options.signal_after = std::chrono::milliseconds(400);
+  options.signal = SIGINT;
+  const std::vector<std::string> slow = {"--json", "--jobs", "1", "--color", "marble:resolution=64"};
+  const Run run = convert(words, slow, options);
+  CHECK(run.exit == 130);
+  const auto made = run.json()["made"].get<int>();
+  CHECK(made < 12);
+  int found = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(out)) {
+    if (entry.path().extension() != ".meso") continue;
+    CHECK(run_command({"validate", entry.path().string()}).exit == 0);
+    ++found;
+  }
+  CHECK(found >= made);
+  const Run again = convert(words, slow);
+  CHECK(again.exit == 0);
+  CHECK(again.json()["up_to_date"].get<int>() >= made);
+  CHECK(again.json()["made"].get<int>() + again.json()["up_to_date"].get<int>() == 12);
+}
