@@ -132,6 +132,17 @@ struct NormalMap {
   bool operator==(const NormalMap&) const = default;
 };
 
+/// The basic mesh as a compressed bitstream, which nothing here looks into: decoders of such are to be kept
+/// from untrusted bytes, or in processes of their own. [spec 4.10]
+struct BasicMesh {
+  std::vector<std::byte> draco;  ///< a Draco bitstream of a triangle mesh, metres
+  std::uint32_t vertices = 0;    ///< it has, at least 3
+  std::uint32_t triangles = 0;   ///< at least 1
+  /// How far a vertex is at most from where the author had it, metres. [spec 2.7]
+  float max_error = 0;
+  bool operator==(const BasicMesh&) const = default;
+};
+
 /// A cell object: the union of its INSIDE cell instances. The color of a point is the product, in linear
 /// light, of its color in the tile, that of its cell and that of its instance.
 struct CellObject {
@@ -143,6 +154,7 @@ struct CellObject {
   std::optional<ColorList>
       instance_colors;  ///< one an INSIDE instance, by home tile, then cell; absent: white
   std::optional<NormalMap> normals;
+  std::optional<BasicMesh> basic_mesh;
   /// Free text, UTF-8, ascending by key, keys unique.
   std::vector<std::pair<std::string, std::string>> metadata;
   bool operator==(const CellObject&) const = default;

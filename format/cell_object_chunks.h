@@ -26,6 +26,7 @@ inline constexpr std::uint32_t kColorChunk = fourcc("COLR");
 inline constexpr std::uint32_t kCellColorChunk = fourcc("CCOL");
 inline constexpr std::uint32_t kInstanceColorChunk = fourcc("ICOL");
 inline constexpr std::uint32_t kNormalChunk = fourcc("NORM");
+inline constexpr std::uint32_t kBasicMeshChunk = fourcc("MESH");  ///< from 1.1 on
 
 inline constexpr std::uint64_t kMaxTiles = 0x7fffffff;
 inline constexpr std::uint64_t kMaxAxisVoxels = std::uint64_t{1} << 30;
@@ -92,5 +93,10 @@ struct MembershipLayout {
 [[nodiscard]] std::vector<std::byte> encode_normals(const NormalMap& normals);
 [[nodiscard]] std::optional<NormalMap> decode_normals(const ChunkPayload& chunk, const TileMap* tile,
                                                       MemoryBudget& budget, IssueSink& sink);
+
+/// MESH [spec 4.10]. What is in the mesh's bytes is not looked at.
+[[nodiscard]] std::vector<std::byte> encode_basic_mesh(const BasicMesh& mesh);
+[[nodiscard]] std::optional<BasicMesh> decode_basic_mesh(const ChunkPayload& chunk, MemoryBudget& budget,
+                                                         IssueSink& sink);
 
 }  // namespace mesocell

@@ -68,7 +68,7 @@ bool tile_tags_fit(const MembershipLayout& layout, std::uint64_t tile_count, std
   return stored[0] + of_page + of_tags <= kTileTagsBytes;
 }
 
-Status add_asset(ContainerWriter& writer, const NamedCellObject& named) {
+Status add_asset(ContainerWriter& writer, const NamedCellObject& named, const FormatVersion& version) {
   const CellObject& object = *named.object;
   if (Status status = check_metadata(object.metadata); !status) return status;
   if (Status status = check_format_limits(object); !status) return status;
@@ -96,6 +96,8 @@ Status add_asset(ContainerWriter& writer, const NamedCellObject& named) {
   if (object.instance_colors)
     writer.add_chunk(kInstanceColorChunk, Importance::kSkippable, encode_colors(*object.instance_colors));
   if (object.normals) writer.add_chunk(kNormalChunk, Importance::kSkippable, encode_normals(*object.normals));
+  if (object.basic_mesh && version.minor >= 1)
+    writer.add_chunk(kBasicMeshChunk, Importance::kSkippable, encode_basic_mesh(*object.basic_mesh));
   if (!object.metadata.empty())
     writer.add_chunk(kTextChunk, Importance::kSkippable, encode_text(object.metadata));
   return {};
@@ -103,11 +105,12 @@ Status add_asset(ContainerWriter& writer, const NamedCellObject& named) {
 
 #ifndef NDEBUG
 /// Whether the bytes hold the objects: a writer that did not would lose what it was given.
-bool reads_back(std::span<const std::byte> file, std::span<const NamedCellObject> objects) {
+bool reads_back(std::span<const std::byte> file, std::span<const NamedCellObject> objects, bool has_meshes) {
   const ReadLimits no_limits{~std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0}};
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const auto copy = read_cell_object(file, no_limits, i);
+    auto copy = read_cell_object(file, no_limits, i);
     if (!copy && copy.error().code == ErrorCode::kLimit) return true;  // no memory to tell
+    if (copy && !has_meshes) copy->basic_mesh = objects[i].object->basic_mesh;
     if (!copy || !(*copy == *objects[i].object)) return false;
   }
   return true;
@@ -126,9 +129,9 @@ Result<std::vector<std::byte>> encode_cell_objects(std::span<const NamedCellObje
   assert(!objects.empty());
   ContainerWriter writer(options);
   for (const NamedCellObject& named : objects)
-    if (Status status = add_asset(writer, named); !status) return status.error();
+    if (Status status = add_asset(writer, named, options.version); !status) return status.error();
   auto bytes = writer.finish();
-  assert((!bytes.ok() || reads_back(*bytes, objects)) &&
+  assert((!bytes.ok() || reads_back(*bytes, objects, options.version.minor >= 1)) &&
          "the maps do not hold what format/cell_object.h says");
   return bytes;
 } catch (const std::bad_alloc&) {
@@ -179,6 +182,11 @@ std::optional<CellObject> check_cell_object(std::span<const std::byte> file, con
   with_chunk(kNormalChunk, [&](const ChunkPayload& chunk) {
     object.normals = decode_normals(chunk, tile ? &*tile : nullptr, budget, sink);
   });
+  if (scan.minor >= 1) {
+    with_chunk(kBasicMeshChunk, [&](const ChunkPayload& chunk) {
+      object.basic_mesh = decode_basic_mesh(chunk, budget, sink);
+    });
+  }
   with_chunk(kTextChunk, [&](const ChunkPayload& chunk) {
     if (auto text = decode_text(chunk, budget, sink)) object.metadata = std::move(*text);
   });
@@ -205,7 +213,8 @@ Result<CellObject> decode_cell_object(const Container& container, const ReadLimi
   if (!charge_asset(scan, asset, budget, sink)) return sink.first_error_as_result();
   for (std::size_t i = 0; i < info.chunk_count; ++i) {
     const std::size_t chunk = info.first_chunk + i;
-    if (info.rules->find(scan.chunks[chunk].type) && !verify_chunk(container.file(), scan, chunk, sink))
+    if (info.rules->find(scan.chunks[chunk].type, scan.minor) &&
+        !verify_chunk(container.file(), scan, chunk, sink))
       return sink.first_error_as_result();
   }
   auto object = check_cell_object(container.file(), scan, asset, limits, budget, sink);

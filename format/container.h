@@ -50,7 +50,7 @@ class Container {
   ReadLimits limits_;
 };
 
-/// A version of the format that files can be written in.
+/// A version of the format.
 struct FormatVersion {
   std::uint16_t major = kFormatMajor;
   std::uint16_t minor = kFormatMinor;
@@ -59,7 +59,8 @@ struct FormatVersion {
 
 /// How a file is written.
 struct WriteOptions {
-  /// kUsage for a version that there is not.
+  /// The newest that may be written; what it does not have is left out. The file states the least version
+  /// that has all of it. kUsage for a version that there is not.
   FormatVersion version;
   /// Compress chunks where that makes the file smaller; if not, all of them can be used in place from a
   /// memory map.
@@ -103,6 +104,9 @@ class ContainerWriter {
     ChunkInfo info;
     std::vector<std::byte> stored;
   };
+  /// The least minor version that has all chunks that were added.
+  [[nodiscard]] std::uint16_t least_minor() const;
+
   WriteOptions options_;
   std::vector<Asset> assets_;
   std::vector<Chunk> chunks_;

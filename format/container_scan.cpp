@@ -282,7 +282,7 @@ bool scan_asset(const ContainerScan& scan, std::size_t asset, IssueSink& sink) {
       continue;
     }
     if (!info.rules) continue;
-    const ChunkRule* rule = info.rules->find(chunk.type);
+    const ChunkRule* rule = info.rules->find(chunk.type, scan.minor);
     if (!rule) {
       sink.add(chunk.critical ? IssueId::kChunkUnknownCritical : IssueId::kChunkUnknownSkippable, at,
                chunk.type, "'" + fourcc_text(chunk.type) + "'");

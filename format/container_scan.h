@@ -20,7 +20,7 @@ struct Representation;
 
 inline constexpr std::array<unsigned char, 8> kMagic = {0x89, 'M', 'E', 'S', 'O', 0x0d, 0x0a, 0x1a};
 inline constexpr std::uint16_t kFormatMajor = 1;
-inline constexpr std::uint16_t kFormatMinor = 0;
+inline constexpr std::uint16_t kFormatMinor = 1;
 inline constexpr std::size_t kHeaderBytes = 64;
 inline constexpr std::size_t kAssetBytes = 64;
 inline constexpr std::size_t kEntryBytes = 64;

@@ -11,6 +11,7 @@
 #include "format/codec.h"
 #include "format/container.h"
 #include "format/hash.h"
+#include "format/representation.h"
 #include "format/utf8.h"
 
 namespace mesocell {
@@ -99,13 +100,27 @@ void ContainerWriter::add_chunk(std::uint32_t type, Importance importance, std::
   out_of_memory_ = true;
 }
 
+std::uint16_t ContainerWriter::least_minor() const {
+  std::uint16_t minor = 0;
+  std::size_t chunk = 0;
+  for (const Asset& asset : assets_) {
+    const Representation* const rules = find_representation(asset.representation);
+    for (std::uint32_t i = 0; i < asset.chunk_count; ++i, ++chunk) {
+      const ChunkRule* const rule =
+          rules ? rules->find(chunks_[chunk].info.type, options_.version.minor) : nullptr;
+      if (rule) minor = std::max(minor, rule->minor);
+    }
+  }
+  return minor;
+}
+
 Result<std::vector<std::byte>> ContainerWriter::finish() try {
   if (out_of_memory_) return out_of_memory();
   assert(!assets_.empty());
-  if (!(options_.version == FormatVersion{}))
+  if (options_.version.major != kFormatMajor || options_.version.minor > kFormatMinor)
     return Error{ErrorCode::kUsage, "there is no version " + to_string(options_.version.major) + "." +
                                         to_string(options_.version.minor) +
-                                        " of the format; 1.0 can be written"};
+                                        " of the format; 1.0 and 1.1 can be written"};
   if (assets_.size() > kMaxAssets) return Error{ErrorCode::kLimit, "a file has at most 1024 assets"};
   if (chunks_.size() > kMaxChunks) return Error{ErrorCode::kLimit, "a file has at most 4096 chunks"};
 
@@ -146,7 +161,7 @@ Result<std::vector<std::byte>> ContainerWriter::finish() try {
   out.reserve(static_cast<std::size_t>(offset));
   out.append(std::as_bytes(std::span(kMagic)));
   out.u16(options_.version.major);
-  out.u16(options_.version.minor);
+  out.u16(least_minor());
   out.u32(static_cast<std::uint32_t>(assets_.size()));
   out.u64(offset);
   out.u32(static_cast<std::uint32_t>(chunks_.size()));

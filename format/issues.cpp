@@ -143,6 +143,11 @@ constexpr std::array kCatalogue = {
               "the resolution of the color map is not in 1…1024"},
     IssueInfo{"normal-encoding", kError, "4.8", Remedy::kVersion, "the encoding of the normals is unknown"},
     IssueInfo{"normal-code", kError, "4.8", Remedy::kWriter, "a byte of a normal is above 252"},
+    IssueInfo{"mesh-encoding", kError, "4.10", Remedy::kVersion, "the encoding of the basic mesh is unknown"},
+    IssueInfo{"mesh-bytes", kError, "4.10", Remedy::kWriter,
+              "the basic mesh has not as many bytes as it states"},
+    IssueInfo{"mesh-counts", kError, "4.10", Remedy::kWriter,
+              "the basic mesh has fewer than 3 vertices or 1 triangle, or over 2³¹ − 1"},
     IssueInfo{"limit-exceeded", kError, "6", Remedy::kLimit,
               "reading the file would take more than the caller allows"},
 };

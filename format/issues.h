@@ -110,6 +110,9 @@ enum class IssueId : std::uint8_t {
   kColorResolution,
   kNormalEncoding,
   kNormalCode,
+  kMeshEncoding,
+  kMeshBytes,
+  kMeshCounts,
   kLimitExceeded,
   kCount,
 };

@@ -10,10 +10,15 @@ namespace mesocell {
 namespace {
 
 constexpr std::array kCellObjectRules = {
-    ChunkRule{kGridChunk, true, true, true},  ChunkRule{kTileChunk, true, true},
-    ChunkRule{kMembershipChunk, true, true},  ChunkRule{kColorChunk, false, false},
-    ChunkRule{kCellColorChunk, false, false}, ChunkRule{kInstanceColorChunk, false, false},
-    ChunkRule{kNormalChunk, false, false},    ChunkRule{kTextChunk, false, false},
+    ChunkRule{kGridChunk, true, true, true},
+    ChunkRule{kTileChunk, true, true},
+    ChunkRule{kMembershipChunk, true, true},
+    ChunkRule{kColorChunk, false, false},
+    ChunkRule{kCellColorChunk, false, false},
+    ChunkRule{kInstanceColorChunk, false, false},
+    ChunkRule{kNormalChunk, false, false},
+    ChunkRule{kTextChunk, false, false},
+    ChunkRule{kBasicMeshChunk, false, false, false, 1},
 };
 
 constexpr std::array kRepresentations = {
@@ -25,9 +30,9 @@ constexpr std::array kRepresentations = {
 
 }  // namespace
 
-const ChunkRule* Representation::find(std::uint32_t type) const {
-  const auto at =
-      std::find_if(chunks.begin(), chunks.end(), [&](const ChunkRule& r) { return r.type == type; });
+const ChunkRule* Representation::find(std::uint32_t type, std::uint16_t minor) const {
+  const auto at = std::find_if(chunks.begin(), chunks.end(),
+                               [&](const ChunkRule& r) { return r.type == type && r.minor <= minor; });
   return at == chunks.end() ? nullptr : &*at;
 }
 

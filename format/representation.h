@@ -15,7 +15,8 @@ struct ChunkRule {
   std::uint32_t type = 0;
   bool critical = false;  ///< a chunk of this type must carry the critical flag, or must not
   bool required = false;
-  bool raw = false;  ///< must be stored raw, so that it can be read before anything is decoded
+  bool raw = false;         ///< must be stored raw, so that it can be read before anything is decoded
+  std::uint16_t minor = 0;  ///< version that brought it; in files of an older one its type is unknown
 };
 
 /// What container and validator know of a representation. Another representation is one more row.
@@ -28,8 +29,9 @@ struct Representation {
   void (*check)(std::span<const std::byte> file, const ContainerScan& scan, std::size_t asset,
                 const ReadLimits& limits, MemoryBudget& budget, IssueSink& sink) = nullptr;
 
-  /// The rule for a chunk type, null if the representation does not know it.
-  [[nodiscard]] const ChunkRule* find(std::uint32_t type) const;
+  /// The rule for a chunk type in a file of a minor version, null if the representation does not know it
+  /// there.
+  [[nodiscard]] const ChunkRule* find(std::uint32_t type, std::uint16_t minor) const;
 };
 
 /// All rows.

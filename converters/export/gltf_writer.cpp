@@ -147,6 +147,16 @@ class Document {
     return add_accessor(std::move(translations));
   }
 
+  /// `colors` live until the file is written.
+  std::size_t add_instance_colors(const std::vector<Rgb8>& colors) {
+    Json linear = accessor(kFloat, "VEC3", colors.size());
+    linear["bufferView"] = views_.add(12 * std::uint64_t{colors.size()}, 0, 0, [&colors](FileStream& out) {
+      for (const Rgb8& c : colors)
+        for (const std::uint8_t channel : c) out.f32(float(srgb_to_linear(channel)));
+    });
+    return add_accessor(std::move(linear));
+  }
+
   /// With its origin at a lattice point of a grid, in voxels.
   Json& add_node(const GridLayout& grid, const Lattice& origin, std::size_t mesh) {
     Json node;
@@ -296,8 +306,9 @@ Status write_instanced_gltf(const CellObject& object, const std::vector<Explicit
         place[a] = std::int32_t(home[a] * object.tile.resolution[a]) - middle[a];
     }
     Json& node = document.add_node(object.grid, middle, *mesh);
-    node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
-        document.add_translations(std::move(places));
+    Json& attributes = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+    attributes["TRANSLATION"] = document.add_translations(std::move(places));
+    if (!of_cell.colors.empty()) attributes["_COLOR_0"] = document.add_instance_colors(of_cell.colors);
   }
   if (!any) return nothing_there();
   document.require("EXT_mesh_gpu_instancing");

@@ -31,6 +31,7 @@ struct GltfOptions {
 struct CellInstances {
   std::uint32_t cell = 0;  ///< from 1
   std::vector<Index3> homes;
+  std::vector<Rgb8> colors;  ///< one a home, or none; written as _COLOR_0, linear, which few readers know
 };
 
 /// Writes INSIDE instances by EXT_mesh_gpu_instancing, which readers must know: one mesh a cell, of

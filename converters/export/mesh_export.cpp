@@ -68,10 +68,13 @@ Status write_instances(const CellObject& object, const std::string& path, const 
           }
           instances[cell - 1].cell = cell;
           instances[cell - 1].homes.push_back(t);
+          if (options.colors && object.instance_colors)
+            instances[cell - 1].colors.push_back(object.instance_colors->colors[k]);
           ++report.instances;
         }
   if (options.colors && object.instance_colors)
-    report.losses.push_back("colors of single instances are not written: a cell has one");
+    report.losses.push_back(
+        "colors of single instances are in an attribute, _COLOR_0, which few readers know");
   if (options.colors && object.color)
     report.losses.push_back("the color map of the tile is not written with instances");
   GltfOptions gltf;

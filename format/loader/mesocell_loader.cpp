@@ -18,10 +18,10 @@ constexpr u32 code(char a, char b, char c, char d) {
   return u32(u8(a)) | u32(u8(b)) << 8 | u32(u8(c)) << 16 | u32(u8(d)) << 24;
 }
 constexpr u32 kCell = code('C', 'E', 'L', 'L');
-constexpr u32 kTypes[8] = {code('G', 'R', 'I', 'D'), code('T', 'I', 'L', 'E'), code('M', 'E', 'M', 'B'),
+constexpr u32 kTypes[9] = {code('G', 'R', 'I', 'D'), code('T', 'I', 'L', 'E'), code('M', 'E', 'M', 'B'),
                            code('C', 'O', 'L', 'R'), code('C', 'C', 'O', 'L'), code('I', 'C', 'O', 'L'),
-                           code('N', 'O', 'R', 'M'), code('T', 'E', 'X', 'T')};
-enum { kGrid, kTile, kMemb, kColr, kCcol, kIcol, kNorm, kText, kUnknown };
+                           code('N', 'O', 'R', 'M'), code('T', 'E', 'X', 'T'), code('M', 'E', 'S', 'H')};
+enum { kGrid, kTile, kMemb, kColr, kCcol, kIcol, kNorm, kText, kMesh, kUnknown };
 constexpr u32 kNone = 0xffffffff;
 
 inline u32 get16(const u8* p) { return p[0] | u32(p[1]) << 8; }
@@ -106,7 +106,7 @@ struct Loader {
     return true;
   }
   bool reserved(u64 at, u64 count) const { return all_zero(file + at, count); }
-  bool ignorable(u64 at, u64 count) const { return minor > 0 || all_zero(file + at, count); }
+  bool ignorable(u64 at, u64 count) const { return minor > 1 || all_zero(file + at, count); }
 
   MesocellStatus check_header();
   MesocellStatus check_assets(bool names) const;
@@ -134,6 +134,7 @@ struct Loader {
   u64 count_boundary() const;
   MesocellStatus load_normals(const Chunk& chunk);
   MesocellStatus load_text(const Chunk& chunk);
+  MesocellStatus load_mesh(const Chunk& chunk);
 };
 
 // Returns from the calling function unless the step succeeds.
@@ -267,6 +268,7 @@ MesocellStatus Loader::find_chunks(u32 asset) {
       if (get32(e) == c.type) return bad("a chunk type occurs twice");
     int known = kGrid;
     while (known < kUnknown && kTypes[known] != c.type) ++known;
+    if (known == kMesh && minor == 0) known = kUnknown;  // 1.1 brought it
     if (c.critical != (known <= kMemb))
       return bad("a chunk is critical that is unknown or must not be, or is not");
     if (known == kGrid && c.codec != 0) return bad("GRID is not raw");
@@ -742,6 +744,21 @@ MesocellStatus Loader::load_normals(const Chunk& c) {
   return kMesocellOk;
 }
 
+MesocellStatus Loader::load_mesh(const Chunk& c) {
+  MESOCELL_TRY(header(c, 24));
+  if (get32(c.bytes) != 0) return bad("unknown encoding of the basic mesh");
+  MESOCELL_TRY(stated_error(c.bytes + 4, object->mesh_error));
+  object->mesh_vertices = get32(c.bytes + 16), object->mesh_triangles = get32(c.bytes + 20);
+  if (object->mesh_vertices < 3 || object->mesh_vertices > 0x7fffffff || object->mesh_triangles < 1 ||
+      object->mesh_triangles > 0x7fffffff)
+    return bad("bad numbers of vertices or triangles of the basic mesh");
+  object->mesh_bytes = get64(c.bytes + 8);
+  if (object->mesh_bytes != c.decoded - 64) return bad("the basic mesh has another number of bytes");
+  if (!charge(object->mesh_bytes, 1)) return over_limit("too large a basic mesh");
+  object->mesh = c.bytes + 64;
+  return kMesocellOk;
+}
+
 // ---- The arena: decoder, chunks but GRID, and a block that first serves TILE and then holds the entries
 
 struct Layout {
@@ -839,7 +856,8 @@ MesocellStatus mesocell_load(const void* file, size_t file_bytes, uint32_t asset
                  : i == kIcol ? loader.load_colors(c, object->inside, object->instance_colors,
                                                    object->instance_color_error)
                  : i == kNorm ? loader.load_normals(c)
-                              : loader.load_text(c));
+                 : i == kText ? loader.load_text(c)
+                              : loader.load_mesh(c));
   }
   return kMesocellOk;
 }

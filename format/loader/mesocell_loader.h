@@ -87,6 +87,13 @@ typedef struct MesocellObject {
   uint32_t text_count;
   const uint8_t* text; /* entries as in the file: see mesocell_next_text() */
   uint64_t text_bytes;
+
+  /* The basic mesh as a Draco bitstream, which is not looked into; NULL if there is none. What it states:
+   * numbers of vertices and triangles, and how far a vertex was moved at most, metres. */
+  const uint8_t* mesh;
+  uint64_t mesh_bytes;
+  uint32_t mesh_vertices, mesh_triangles;
+  float mesh_error;
 } MesocellObject;
 
 /* Checks header, asset table and directory; it alone looks whether two assets have the same name. `options`

@@ -132,6 +132,15 @@ void write_chunk(const MesocellObject& o, std::string_view type, Writer& out) {
     out.pad(begin);
     out.append(o.normals, 2 * o.normal_count);
   }
+  if (type == "MESH") {
+    out.number(0, 4);
+    out.real(o.mesh_error);
+    out.number(o.mesh_bytes, 8);
+    out.number(o.mesh_vertices, 4);
+    out.number(o.mesh_triangles, 4);
+    out.pad(begin);
+    out.append(o.mesh, o.mesh_bytes);
+  }
   if (type == "TEXT") {
     out.number(o.text_count, 4);
     std::uint64_t cursor = 0;
@@ -146,7 +155,8 @@ void write_chunk(const MesocellObject& o, std::string_view type, Writer& out) {
   }
 }
 
-bool is_known(std::string_view type) {
+bool is_known(std::string_view type, unsigned minor) {
+  if (type == "MESH") return minor > 0;
   for (const char* known : {"GRID", "TILE", "MEMB", "COLR", "CCOL", "ICOL", "NORM", "TEXT"})
     if (type == known) return true;
   return false;
@@ -178,7 +188,7 @@ std::string answer(const std::vector<char>& file) {
     if (status != kMesocellOk) return refusal(status);
     const std::uint32_t chunks = number_at(file.data() + 64 + 64 * std::size_t{asset} + 8);
     for (std::uint32_t i = 0; i < chunks; ++i, entry += 64)
-      if (is_known({entry, 4})) write_chunk(object, {entry, 4}, out);
+      if (is_known({entry, 4}, info.minor)) write_chunk(object, {entry, 4}, out);
   }
   char digest[17];
   std::snprintf(digest, sizeof digest, "%016llx",

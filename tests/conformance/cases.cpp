@@ -60,6 +60,7 @@ std::vector<Case> conformance_cases() {
   add_text_cases(cases);
   add_color_cases(cases);
   add_normal_cases(cases);
+  add_mesh_cases(cases);
   add_version_cases(cases);
   return cases.release();
 }

@@ -58,6 +58,7 @@ void add_membership_cases(CaseList& cases);
 void add_text_cases(CaseList& cases);
 void add_color_cases(CaseList& cases);
 void add_normal_cases(CaseList& cases);
+void add_mesh_cases(CaseList& cases);
 void add_version_cases(CaseList& cases);
 
 }  // namespace mesocell::test

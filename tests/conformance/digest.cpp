@@ -20,7 +20,7 @@ Result<std::uint64_t> digest(const Container& container, Payload payload) {
   for (std::size_t asset = 0; asset < container.assets().size(); ++asset) {
     for (const ChunkInfo& chunk : container.chunks_of(asset)) {
       const AssetInfo& info = container.assets()[asset];
-      if (!info.rules || !info.rules->find(chunk.type)) continue;
+      if (!info.rules || !info.rules->find(chunk.type, container.minor())) continue;
       const Result<std::vector<std::byte>> bytes = payload(asset, chunk.type);
       if (!bytes) return bytes.error();
       all.u32(chunk.type);
@@ -46,6 +46,8 @@ std::vector<std::byte> encode_chunk(const CellObject& object, std::uint32_t type
       return encode_colors(object.instance_colors.value());
     case kNormalChunk:
       return encode_normals(object.normals.value());
+    case kBasicMeshChunk:
+      return encode_basic_mesh(object.basic_mesh.value());
     default:
       return encode_text(object.metadata);
   }

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "format/hash.h"
 #include "tests/conformance/digest.h"
@@ -57,8 +58,13 @@ TEST_CASE("conformance: frozen files keep their verdict, report and content") {
     if (!v.agree) wrong = v.why;
     if (v.reader != (entry.verdict == "valid") || v.limit != (entry.verdict == "limit"))
       wrong = "another verdict";
-    if (!entry.issue.empty() && !v.has(entry.issue)) wrong = "the issue is not reported";
-    if (report_of(file) != entry.report) wrong = "another report";
+    std::vector<std::string> report = entry.report;
+    // 1.1 was newer than what there was when the files were frozen.
+    const bool known = text.size() > 11 && text[10] == 1 && text[11] == 0;
+    if (known) std::erase(report, "version-newer");
+    if (!entry.issue.empty() && !v.has(entry.issue) && !(known && entry.issue == "version-newer"))
+      wrong = "the issue is not reported";
+    if (report_of(file) != report) wrong = "another report";
     if (wrong.empty() && v.reader) {
       const auto chunks = digest_of_chunks(file), objects = digest_of_objects(file);
       if (!chunks || conformance::hex16(*chunks) != entry.digest || !objects || *objects != *chunks)

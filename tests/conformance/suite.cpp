@@ -12,6 +12,8 @@ namespace mesocell::test {
 
 bool is_file(const Case& c) {
   const ReadLimits usual;
+  // The folder is of version 1.0; what 1.1 brought gets files when that is done.
+  if (c.name.find("mesh") != std::string::npos) return false;
   return c.bytes.size() <= kMostFileBytes && c.limits.max_file_bytes == usual.max_file_bytes &&
          c.limits.max_decoded_bytes == usual.max_decoded_bytes && c.limits.max_tiles == usual.max_tiles;
 }

@@ -155,6 +155,9 @@ TEST_CASE("indices have 32 bits from 65536 vertices on") {
 TEST_CASE("instances in a GLB are the surface of the object, cell by cell") {
   const Folder folder(in_memory());
   CellObject o = colored_object();
+  o.instance_colors.emplace();
+  for (std::uint64_t k = 0; k < count_instances(o.membership).inside; ++k)
+    o.instance_colors->colors.push_back({std::uint8_t(k), std::uint8_t(k >> 3), 77});
   MeshExportOptions options;
   options.instanced = true;
   options.colors = true;
@@ -171,6 +174,8 @@ TEST_CASE("instances in a GLB are the surface of the object, cell by cell") {
     CHECK(glb.triangles(node["mesh"]) == triangles_of((*cells)[c]));
     const auto places =
         glb.numbers(node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"]);
+    const auto colors = glb.numbers(node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["_COLOR_0"]);
+    REQUIRE(colors.size() == places.size());
     for (std::size_t k = 0; k < places.size(); k += 3) {
       Index3 tile{};
       for (std::size_t a = 0; a < 3; ++a) {
@@ -181,6 +186,15 @@ TEST_CASE("instances in a GLB are the surface of the object, cell by cell") {
       }
       CHECK(o.membership.tag(o.grid.tile_index(tile[0], tile[1], tile[2]), std::uint32_t(c + 1)) ==
             Tag::kInside);
+      // Colors are in order of homes, then of cells.
+      std::size_t number = 0;
+      for (std::uint64_t t = 0; t < o.membership.entries.size(); ++t)
+        for (std::uint32_t other = 1; other <= o.tile.cell_count; ++other) {
+          if (t == o.grid.tile_index(tile[0], tile[1], tile[2]) && other == c + 1)
+            for (std::size_t a = 0; a < 3; ++a)
+              CHECK(colors[k + a] == double(float(srgb_to_linear(o.instance_colors->colors[number][a]))));
+          number += o.membership.tag(t, other) == Tag::kInside;
+        }
       ++placed;
     }
     const auto& material = glb.json["materials"][c]["pbrMetallicRoughness"];
@@ -192,6 +206,7 @@ TEST_CASE("instances in a GLB are the surface of the object, cell by cell") {
   // Of a solid block the inner ones are buried.
   o.membership.entries.assign(o.membership.entries.size(), std::uint32_t(Tag::kInside));
   o.membership.blocks.clear();
+  o.instance_colors.reset();
   options.drop_buried = true;
   REQUIRE(write_mesh_export(o, folder / "b.glb", options, &report).ok());
   CHECK(report.buried > 0);
@@ -225,6 +240,11 @@ TEST_CASE("the validator of the Khronos Group finds no error in what we write") 
   check_valid(folder / "draco.glb");
   options.normals = SurfaceNormals::kNone;
   options.instanced = true;
+  CellObject colored = o;
+  colored.instance_colors =
+      ColorList{std::vector<Rgb8>(count_instances(o.membership).inside, {9, 99, 199}), 0};
+  REQUIRE(write_mesh_export(colored, folder / "colored.glb", options).ok());
+  check_valid(folder / "colored.glb");
   for (const bool draco : {false, true}) {
     options.draco = draco;
     options.drop_buried = draco;

@@ -237,6 +237,27 @@ TEST_CASE("format: instance colors of an object without INSIDE instances are non
   CHECK(more.reader_id == "payload-trailing");
 }
 
+TEST_CASE("format: a sole fault of MESH is found") {
+  CellObject object = walkthrough_object();
+  object.basic_mesh = BasicMesh{Bytes(100, std::byte{5}), 8, 12, 0.5f};
+  CHECK(verdicts(TestFile::of(object).build()).reader);
+  object.basic_mesh->vertices = 2;
+  check_sole_fault(object, "mesh-counts");
+  object.basic_mesh->vertices = 3;
+  object.basic_mesh->triangles = 0;
+  check_sole_fault(object, "mesh-counts");
+  object.basic_mesh->triangles = 1;
+  TestFile parts = TestFile::of(object);
+  Bytes payload = parts.payload(kBasicMeshChunk);
+  payload.pop_back();
+  parts.set_payload(kBasicMeshChunk, payload);
+  check_sole_fault(parts.build(), "mesh-bytes");
+  payload.push_back({});
+  payload[0] = std::byte{1};
+  parts.set_payload(kBasicMeshChunk, payload);
+  check_sole_fault(parts.build(), "mesh-encoding");
+}
+
 TEST_CASE("format: a sole fault of NORM is found") {
   // Both cells lie at the border with empty space everywhere: all voxels of the lower half but none above.
   CellObject object = walkthrough_object();

@@ -59,6 +59,11 @@ CellObject to_cell_object(const MesocellObject& o) {
     for (std::size_t i = 0; i < o.normal_count; ++i)
       object.normals->normals[i] = {o.normals[2 * i], o.normals[2 * i + 1]};
   }
+  if (o.mesh) {
+    const auto* const bytes = reinterpret_cast<const std::byte*>(o.mesh);
+    object.basic_mesh =
+        BasicMesh{{bytes, bytes + o.mesh_bytes}, o.mesh_vertices, o.mesh_triangles, o.mesh_error};
+  }
   std::uint64_t cursor = 0;
   const char *key = nullptr, *value = nullptr;
   std::uint32_t key_bytes = 0, value_bytes = 0;
@@ -84,6 +89,8 @@ bool is_canonical(std::span<const std::byte> file, std::size_t asset, const Cell
          (!object.cell_colors || same(kCellColorChunk, encode_colors(*object.cell_colors))) &&
          (!object.instance_colors || same(kInstanceColorChunk, encode_colors(*object.instance_colors))) &&
          (!object.normals || same(kNormalChunk, encode_normals(*object.normals))) &&
+         object.basic_mesh.has_value() == (container->minor() >= 1 && has(kBasicMeshChunk)) &&
+         (!object.basic_mesh || same(kBasicMeshChunk, encode_basic_mesh(*object.basic_mesh))) &&
          (!has(kTextChunk) || same(kTextChunk, encode_text(object.metadata)));
 }
 
@@ -106,6 +113,7 @@ TestFile TestFile::take_apart(std::span<const std::byte> file) {
   TestFile parts;
   parts.representation = container->assets()[0].representation;
   parts.name = container->assets()[0].name;
+  parts.minor = container->minor();
   for (const ChunkInfo& info : container->chunks_of(0)) {
     auto bytes = container->read_chunk(0, info.type);
     if (!bytes) throw std::runtime_error(bytes.error().message);
@@ -128,6 +136,10 @@ TestFile TestFile::of(const CellObject& object) {
   if (object.cell_colors) add(kCellColorChunk, encode_colors(*object.cell_colors));
   if (object.instance_colors) add(kInstanceColorChunk, encode_colors(*object.instance_colors));
   if (object.normals) add(kNormalChunk, encode_normals(*object.normals));
+  if (object.basic_mesh) {
+    add(kBasicMeshChunk, encode_basic_mesh(*object.basic_mesh));
+    parts.minor = 1;
+  }
   add(kTextChunk, encode_text(object.metadata));
   return parts;
 }
@@ -177,7 +189,7 @@ Bytes TestFile::build() const {
   ByteWriter out;
   out.append(std::string_view("\x89MESO\r\n\x1a", 8));
   out.u16(1);
-  out.u16(0);
+  out.u16(minor);
   out.u32(std::uint32_t(assets.size()));
   out.u64(body_at + body.size());
   out.u32(std::uint32_t(count));

@@ -30,6 +30,7 @@ struct TestChunk {
 struct TestFile {
   std::uint32_t representation = 0;
   std::vector<TestChunk> chunks;
+  std::uint16_t minor = 0;  ///< of the version that the file states
   std::string name;
   std::vector<TestFile> others;  ///< the assets that follow; theirs are not looked at
 

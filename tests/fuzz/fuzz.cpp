@@ -18,6 +18,12 @@ std::vector<Bytes> file_seeds() {
       test::split(chunk, 4096, seed % 2 == 0 && chunk.type != kGridChunk);
     files.push_back(parts.build());
   }
+  // Of 1.1.
+  CellObject with_mesh = test::random_small_object(12);
+  for (const std::size_t bytes : {0u, 100u, 9000u}) {
+    with_mesh.basic_mesh = BasicMesh{Bytes(bytes, std::byte{17}), 8, 12, 0.25f};
+    files.push_back(test::encoded(with_mesh));
+  }
   // Several pages of tiles, and several blocks of membership.
   test::TestFile pages =
       test::TestFile::take_apart(test::encoded(test::random_object(9, {.tiles = {20, 20, 30}, .cells = 3})));

@@ -49,6 +49,7 @@ void walk(const MesocellObject& object) {
   add(object.cell_colors, std::uint64_t{3} * object.cell_count);
   add(object.instance_colors, 3 * object.inside);
   add(object.normals, 2 * object.normal_count);
+  add(object.mesh, object.mesh_bytes);
   std::uint64_t cursor = 0;
   const char *key = nullptr, *value = nullptr;
   std::uint32_t key_bytes = 0, value_bytes = 0, texts = 0;

@@ -53,7 +53,7 @@ constexpr std::array<Folder, 20> kFolders = {{
     {"sdk/shade/", "format/ sdk/core/ sdk/trace/ "},
     {"sdk/measure/", "format/ sdk/core/ sdk/trace/ "},
     {"converters/image/", "format/ sdk/ "},
-    {"converters/export/", "format/ sdk/ converters/image/ "},
+    {"converters/export/", "format/ sdk/ converters/image/ converters/import/ "},
     {"converters/import/", "format/ sdk/ converters/image/ "},
     {"converters/worker/", "format/ sdk/ converters/image/ "},
     {"converters/vdb/", "format/ sdk/ converters/image/ converters/import/ converters/worker/ "},
