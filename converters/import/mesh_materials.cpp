@@ -122,9 +122,9 @@ class MaterialReader {
 
   void add_texture(const std::string& name, PaintMaterial& material) {
     if (mesh_.paint.uvs.empty()) return;
-    const auto [known, is_new] = images_.try_emplace(name);
+    const auto [known, is_new] = images_.try_emplace(place(name));
     if (is_new) {
-      Result<TextureImage> image = read_texture(place(name), progress_);
+      Result<TextureImage> image = read_texture(known->first, progress_);
       if (image && image->texels.size() > kMaxTexels - texels_)
         image = Error{ErrorCode::kLimit, "the pictures have too many pixels together; use smaller ones"};
       if (image) {
@@ -142,7 +142,7 @@ class MaterialReader {
   PlainMesh& mesh_;
   std::vector<MeshWarning>& warnings_;
   const Progress* progress_;
-  std::map<std::string, std::optional<std::uint32_t>> images_;
+  std::map<std::string, std::optional<std::uint32_t>> images_;  ///< by where they are
   std::uint64_t texels_ = 0;
 };
 
