@@ -105,7 +105,7 @@ GltfScene scene_of(const TriangleMesh& mesh) {
   return scene;
 }
 
-std::string draco_bytes(const TriangleMesh& source) {
+std::string draco_bytes(const TriangleMesh& source, DracoMethod method) {
   draco::Mesh mesh;
   mesh.set_num_points(std::uint32_t(source.vertices.size()));
   add_attribute(mesh, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, false, packed_positions(source));
@@ -116,7 +116,9 @@ std::string draco_bytes(const TriangleMesh& source) {
   for (const Triangle& t : source.triangles)
     mesh.AddFace({draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
   draco::Encoder encoder;
-  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
+  const bool edges = method == DracoMethod::kEdgebreaker;
+  encoder.SetEncodingMethod(edges ? draco::MESH_EDGEBREAKER_ENCODING : draco::MESH_SEQUENTIAL_ENCODING);
+  if (edges) encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, 14);
   draco::EncoderBuffer buffer;
   if (!encoder.EncodeMeshToBuffer(mesh, &buffer).ok()) return {};
   return {buffer.data(), buffer.size()};

@@ -39,7 +39,10 @@ template <typename T>
 /// The triangles of a mesh with indices of 16 bits.
 [[nodiscard]] GltfScene scene_of(const TriangleMesh& mesh);
 
-/// A mesh compressed by Draco; unique ids are 0 of the positions and 1 of the colors, if it has some.
-[[nodiscard]] std::string draco_bytes(const TriangleMesh& mesh);
+/// A mesh compressed by Draco; unique ids are 0 of the positions and 1 of the colors, if it has some. As a
+/// list of triangles without loss, or by its connectivity in 14 bits, which changes the order of points.
+enum class DracoMethod : std::uint8_t { kSequential, kEdgebreaker };
+[[nodiscard]] std::string draco_bytes(const TriangleMesh& mesh,
+                                      DracoMethod method = DracoMethod::kSequential);
 
 }  // namespace mesocell::test

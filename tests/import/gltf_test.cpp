@@ -359,6 +359,12 @@ TEST_CASE("Draco: alone and in a glTF") {
               ["POSITION"] = 7;
   CHECK(says(refusal(unknown.glb()), "no attribute 7"));
 
+  const TriangleMesh torus = make_torus({0, 0, 0}, 2, 1, 30, 20);
+  const Result<PaintedMesh> by_edges = read(draco_bytes(torus, DracoMethod::kEdgebreaker), nullptr, "a.drc");
+  REQUIRE(by_edges.ok());
+  CHECK(by_edges->mesh.triangles.size() == torus.triangles.size());
+  CHECK(signed_volume(by_edges->mesh) == Approx(signed_volume(torus)).epsilon(1e-3));
+
   for (std::size_t n = 0; n < bytes.size(); n += 3) {
     INFO(n);
     CHECK_FALSE(read(bytes.substr(0, n), nullptr, "a.drc").ok());

@@ -40,7 +40,7 @@ struct Folder {
   std::string_view may_include;  ///< folders, each followed by a blank
 };
 
-constexpr std::array<Folder, 17> kFolders = {{
+constexpr std::array<Folder, 19> kFolders = {{
     {"format/loader/", ""},
     {"format/", ""},
     {"sdk/core/", "format/ "},
@@ -53,7 +53,9 @@ constexpr std::array<Folder, 17> kFolders = {{
     {"sdk/shade/", "format/ sdk/core/ sdk/trace/ "},
     {"sdk/measure/", "format/ sdk/core/ sdk/trace/ "},
     {"converters/image/", "format/ sdk/ "},
-    {"converters/import/", "format/ sdk/ converters/image/ "},
+    {"converters/worker/", "format/ sdk/ converters/image/ "},
+    {"converters/import/", "format/ sdk/ converters/image/ converters/worker/ "},
+    {"converters/mesh_worker/", "format/ sdk/ converters/import/ converters/worker/ "},
     {"converters/stability/", "format/ sdk/ converters/image/ "},
     {"converters/bench/", "format/ sdk/ converters/image/ converters/stability/ "},
     {"converters/cli/", "format/ sdk/ converters/ "},
@@ -66,7 +68,7 @@ struct ThirdParty {
   std::string_view where;
 };
 
-constexpr std::array<ThirdParty, 13> kThirdParties = {{
+constexpr std::array<ThirdParty, 16> kThirdParties = {{
     {"hwy/", "sdk/trace/packets.cpp sdk/trace/packet_ "},
     {"CGAL/", "sdk/membership/ sdk/wrap/ "},
     {"OpenMesh/", "converters/import/openmesh_reader.cpp "},
@@ -76,7 +78,10 @@ constexpr std::array<ThirdParty, 13> kThirdParties = {{
     {"embree3/", "converters/bench/peers/embree_module.cpp "},
     {"tbb/", "converters/stability/methods/openvdb_module.cpp "},
     {"CLI/", "converters/cli/command_line.cpp "},
-    {"nlohmann/", "converters/cli/ "},
+    {"nlohmann/", "converters/cli/ converters/import/gltf_json.h converters/mesh_worker/gltf_library.cpp "},
+    {"tiny_gltf", "converters/mesh_worker/gltf_library.cpp converters/mesh_worker/gltf_accessor.h "},
+    {"draco/", "converters/mesh_worker/draco_mesh.cpp "},
+    {"stb/", "converters/mesh_worker/texture_decoder.cpp "},
     {"zstd", "format/ "},
     {"xxhash", "format/ "},
     {"boost/", "sdk/membership/ "},
