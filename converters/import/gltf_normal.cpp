@@ -12,6 +12,7 @@ namespace mesocell {
 namespace {
 
 constexpr std::uint64_t kMaxJsonBytes = std::uint64_t{1} << 28;
+constexpr std::size_t kMaxWarnings = 50;
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char* kTransform = "KHR_texture_transform";
 
@@ -85,7 +86,9 @@ class Normalizer {
   }
 
  private:
-  void warn(const char* id, std::string text) { warnings_.push_back({id, std::move(text)}); }
+  void warn(const char* id, std::string text) {
+    if (warnings_.size() < kMaxWarnings) warnings_.push_back({id, std::move(text)});
+  }
 
   void check_head() {
     const Json* asset = member(in_, "asset");

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "tests/cli/picture_scene.h"
+#include "tests/import/picture_bytes.h"
 #include "tests/support/catch.h"
 #include "tests/support/data.h"
 #include "tests/support/shapes.h"
@@ -209,6 +210,11 @@ TEST_CASE("a glTF with a texture and an OBJ with materials give their colors to 
   CHECK(run.json()["instances"]["inside"] > 0);
   const Run info = run_command({"info", mesh, "--json"});
   CHECK(info.json()["materials"] == 1);
+  // A picture of a kind that the image library reads, by its content.
+  folder.write("light.hdr", hdr_bytes({1, 1, 4, {128, 0, 0, 128}}));
+  folder.write("box.mtl", "newmtl red\nmap_Kd light.hdr\n");
+  folder.write("box.obj", "mtllib box.mtl\nvt 0.5 0.5\n" + box);
+  CHECK(run_command({"info", mesh, "--json"}).json()["textures"] == 1);
   // The file of materials is gone: a warning, and then there are no colors.
   folder.write("box.obj", "mtllib none.mtl\n" + box);
   CHECK(run_command({"info", mesh, "--json"}).json()["warnings"][0]["id"] == "material-missing");
