@@ -301,6 +301,8 @@ TEST_CASE("glTF: indices and ranges beyond what is there are refused with their 
   CHECK(says(damaged("/meshes", 3), "meshes"));
   CHECK(says(damaged("/nodes/0/scale", {1e300, 1e300, "x"}), "node 0"));
   CHECK(says(refusal("{\"asset\":{\"version\":\"2.0\"}"), "damaged"));
+  CHECK(says(refusal("{\"asset\":" + std::string(100000, '[')), "deep"));
+  CHECK(says(refusal(R"({"asset":{"version":"2.0","generator":"\\\"[[[["},"meshes":[]})"), "no triangles"));
 }
 
 TEST_CASE("glTF: files cut off or damaged are refused, or give a sound mesh") {
