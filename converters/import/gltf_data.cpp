@@ -203,6 +203,7 @@ std::size_t GltfData::add_view(std::span<const std::byte> bytes) {
 }
 
 void GltfData::write(Json& out) {
+  if (bytes_.empty()) bytes_.resize(8);  // tinygltf wants some
   out["buffers"] = Json::array({{{"byteLength", bytes_.size()}}});
   Json views = Json::array();
   for (const View& view : views_) {

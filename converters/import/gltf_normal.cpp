@@ -11,7 +11,10 @@
 namespace mesocell {
 namespace {
 
-constexpr std::uint64_t kMaxJsonBytes = std::uint64_t{1} << 28;
+/// Of lists in each other a parsed JSON takes a hundred times its bytes, of others twenty times.
+constexpr std::uint64_t kMaxJsonBytes = std::uint64_t{1} << 27;
+constexpr int kMaxDepth = 64;
+constexpr std::size_t kMaxWarnings = 50;
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char* kTransform = "KHR_texture_transform";
 
@@ -45,6 +48,22 @@ bool is_type(const GltfData::Accessor& accessor, std::initializer_list<std::stri
              std::initializer_list<int> components) {
   return std::find(types.begin(), types.end(), accessor.type) != types.end() &&
          std::find(components.begin(), components.end(), accessor.component) != components.end();
+}
+
+/// Whether values are in each other no deeper than anyone writes them.
+bool is_shallow(std::string_view json) {
+  int depth = 0;
+  bool in_text = false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (in_text && c == '\\') ++i;
+    if (c == '"') in_text = !in_text;
+    if (in_text) continue;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+    if (depth > kMaxDepth) return false;
+  }
+  return true;
 }
 
 class Normalizer {
@@ -85,7 +104,9 @@ class Normalizer {
   }
 
  private:
-  void warn(const char* id, std::string text) { warnings_.push_back({id, std::move(text)}); }
+  void warn(const char* id, std::string text) {
+    if (warnings_.size() < kMaxWarnings) warnings_.push_back({id, std::move(text)});
+  }
 
   void check_head() {
     const Json* asset = member(in_, "asset");
@@ -368,6 +389,10 @@ Result<std::vector<std::byte>> normalize_gltf(std::string_view json, std::span<c
     return Error{ErrorCode::kLimit, "its JSON has more than " + std::to_string(kMaxJsonBytes >> 20) +
                                         " MiB; save the scene with its data in a file of its own, or as GLB"};
   if (json.starts_with("\xef\xbb\xbf")) json.remove_prefix(3);
+  if (!is_shallow(json))
+    return Error{ErrorCode::kInvalidInput, "its JSON has values in each other more than " +
+                                               std::to_string(kMaxDepth) +
+                                               " deep, so it is damaged; export the scene again"};
   try {
     const Json in = Json::parse(json.begin(), json.end(), nullptr, false);
     if (!in.is_object())

@@ -12,6 +12,7 @@
 #include "converters/import/mesh_text.h"
 #include "converters/import/mtl.h"
 #include "converters/import/plain_file.h"
+#include "converters/import/sniff.h"
 #include "sdk/core/srgb.h"
 
 namespace mesocell {
@@ -22,10 +23,13 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMaxMtlBytes = std::uint64_t{1} << 28, kMaxPictureBytes = std::uint64_t{1} << 31;
 constexpr std::size_t kMaxWarnings = 20;
 
-/// Pictures of floats come by the image library, all others by the worker.
+/// Pictures that the worker does not know come by the image library.
 Result<TextureImage> read_texture(const std::string& path, const Progress* progress) {
-  const std::string extension = fs::path(path).extension().string();
-  if (extension == ".exr" || extension == ".hdr" || extension == ".EXR" || extension == ".HDR") {
+  const Result<std::vector<std::byte>> bytes = read_plain_file(path, kMaxPictureBytes);
+  if (!bytes) return bytes.error();
+  const std::string_view content =
+      sniff_content({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+  if (content == kExrContent || content == kHdrContent || content == kTiffContent) {
     Result<Image> image = read_image_file(path, {kMaxPictureBytes, kMaxTexels * 12, 64});
     if (!image) return image.error();
     to_linear(*image);
@@ -46,8 +50,6 @@ Result<TextureImage> read_texture(const std::string& path, const Progress* progr
                                double{image->pixels[i + channels[2]]}}));
     return texture;
   }
-  const Result<std::vector<std::byte>> bytes = read_plain_file(path, kMaxPictureBytes);
-  if (!bytes) return bytes.error();
   return decode_texture(*bytes, progress);
 }
 
@@ -122,9 +124,9 @@ class MaterialReader {
 
   void add_texture(const std::string& name, PaintMaterial& material) {
     if (mesh_.paint.uvs.empty()) return;
-    const auto [known, is_new] = images_.try_emplace(name);
+    const auto [known, is_new] = images_.try_emplace(place(name));
     if (is_new) {
-      Result<TextureImage> image = read_texture(place(name), progress_);
+      Result<TextureImage> image = read_texture(known->first, progress_);
       if (image && image->texels.size() > kMaxTexels - texels_)
         image = Error{ErrorCode::kLimit, "the pictures have too many pixels together; use smaller ones"};
       if (image) {
@@ -142,7 +144,7 @@ class MaterialReader {
   PlainMesh& mesh_;
   std::vector<MeshWarning>& warnings_;
   const Progress* progress_;
-  std::map<std::string, std::optional<std::uint32_t>> images_;
+  std::map<std::string, std::optional<std::uint32_t>> images_;  ///< by where they are
   std::uint64_t texels_ = 0;
 };
 

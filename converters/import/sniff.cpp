@@ -11,7 +11,7 @@ struct Signature {
 
 using namespace std::string_view_literals;
 
-constexpr std::array<Signature, 37> kSignatures = {{
+constexpr std::array<Signature, 36> kSignatures = {{
     {"\x89MESO\r\n\x1a", "a .meso file"},
     {"ply\n", kPlyContent},
     {"ply\r", kPlyContent},
@@ -26,20 +26,19 @@ constexpr std::array<Signature, 37> kSignatures = {{
     {" BDV\0\0\0\0"sv, "an OpenVDB volume"},
     {"NanoVDB", "a NanoVDB volume"},
     {"#INRIMAGE-4", "an INRIMAGE volume"},
-    {"ObjectType", "a MetaImage volume"},
     {"NRRD000", "an NRRD volume"},
     {"# vtk DataFile", "a VTK data set"},
     {"\x89PNG", "a PNG image"},
     {"\xff\xd8\xff", "a JPEG image"},
-    {"\x76\x2f\x31\x01", "an OpenEXR image"},
-    {"#?RADIANCE", "a Radiance HDR image"},
-    {"#?RGBE", "a Radiance HDR image"},
+    {"\x76\x2f\x31\x01", kExrContent},
+    {"#?RADIANCE", kHdrContent},
+    {"#?RGBE", kHdrContent},
     {"DDS ", "a DDS texture"},
     {"\xabKTX ", "a KTX texture"},
-    {"II*\0"sv, "a TIFF image"},
-    {"MM\0*"sv, "a TIFF image"},
-    {"II+\0"sv, "a TIFF image"},
-    {"MM\0+"sv, "a TIFF image"},
+    {"II*\0"sv, kTiffContent},
+    {"MM\0*"sv, kTiffContent},
+    {"II+\0"sv, kTiffContent},
+    {"MM\0+"sv, kTiffContent},
     {"GIF8", "a GIF image"},
     {"\0\0\0\x0cjP  "sv, "a JPEG 2000 image"},
     {"PK\x03\x04", "a zip archive"},
@@ -69,6 +68,16 @@ bool is_gltf_json(std::string_view bytes) {
   return bytes.starts_with("{") && bytes.find("\"asset\"") != bytes.npos;
 }
 
+/// A text of "key = value", which may begin with either of two keys [MetaIO].
+bool is_meta_image(std::string_view bytes) {
+  for (const std::string_view key : {"ObjectType"sv, "NDims"sv})
+    if (bytes.starts_with(key)) {
+      bytes.remove_prefix(key.size());
+      return bytes.substr(0, bytes.find_first_not_of(' ') + 1).ends_with('=');
+    }
+  return false;
+}
+
 /// The size of a BMP's second header tells it from a text that begins with BM.
 bool is_bmp(std::string_view bytes) {
   return bytes.starts_with("BM") && bytes.size() >= 18 && bytes.substr(15, 3) == "\0\0\0"sv &&
@@ -81,6 +90,7 @@ std::string_view sniff_content(std::string_view bytes) {
   for (const Signature& s : kSignatures)
     if (bytes.starts_with(s.begins)) return s.name;
   if (is_off(bytes)) return kOffContent;
+  if (is_meta_image(bytes)) return "a MetaImage volume";
   if (is_bmp(bytes)) return "a BMP image";
   if (is_gltf_json(bytes)) return kGltfContent;
   return {};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 #include "converters/import/mesh_message.h"
@@ -135,8 +136,13 @@ class SceneMesh {
   }
 
   Status add(const tinygltf::Primitive& primitive, const Placement& placement) {
-    Result<GltfPrimitive> read = read_primitive(model_, primitive, texture_set(primitive));
-    if (!read) return read.error();
+    const auto [known, is_new] = primitives_.try_emplace(&primitive);
+    if (is_new) {
+      Result<GltfPrimitive> made = read_primitive(model_, primitive, texture_set(primitive));
+      if (!made) return made.error();
+      known->second = std::move(*made);
+    }
+    const GltfPrimitive* const read = &known->second;
     TriangleMesh& mesh = out_.painted.mesh;
     SurfacePaint& paint = out_.painted.paint;
     if (mesh.triangles.size() + read->triangles.size() > kMaxTriangles ||
@@ -189,6 +195,7 @@ class SceneMesh {
   const tinygltf::Model& model_;
   WorkerMesh& out_;
   std::vector<int> sets_;
+  std::map<const tinygltf::Primitive*, GltfPrimitive> primitives_;  ///< nodes may share meshes
   bool has_uvs_ = false;
 };
 

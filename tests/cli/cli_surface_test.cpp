@@ -3,7 +3,9 @@
 #include <vector>
 
 #include "tests/cli/picture_scene.h"
+#include "tests/import/picture_bytes.h"
 #include "tests/support/catch.h"
+#include "tests/support/data.h"
 #include "tests/support/shapes.h"
 
 using namespace mesocell;
@@ -194,4 +196,35 @@ TEST_CASE("a mesh that is not closed is repaired, and what was done is told and 
     CHECK(result["warnings"].back()["id"] == "mesh-open");
   }
   CHECK(convert(open, "perhaps").exit == 2);
+}
+
+TEST_CASE("a glTF with a texture and an OBJ with materials give their colors to the cells") {
+  const TempFolder folder;
+  const std::string box =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+      "usemtl red\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  folder.write("box.mtl", "newmtl red\nKd 1 0 0\n");
+  const std::string mesh = folder.write("box.obj", "mtllib box.mtl\n" + box), asset = folder.file("box.meso");
+  const Run run = run_command({"convert", mesh, asset, "--tiles", "4", "--color", "mesh", "--json"});
+  CHECK(run.exit == 0);
+  CHECK(run.json()["instances"]["inside"] > 0);
+  const Run info = run_command({"info", mesh, "--json"});
+  CHECK(info.json()["materials"] == 1);
+  // A picture of a kind that the image library reads, by its content.
+  folder.write("light.hdr", hdr_bytes({1, 1, 4, {128, 0, 0, 128}}));
+  folder.write("box.mtl", "newmtl red\nmap_Kd light.hdr\n");
+  folder.write("box.obj", "mtllib box.mtl\nvt 0.5 0.5\n" + box);
+  CHECK(run_command({"info", mesh, "--json"}).json()["textures"] == 1);
+  // The file of materials is gone: a warning, and then there are no colors.
+  folder.write("box.obj", "mtllib none.mtl\n" + box);
+  CHECK(run_command({"info", mesh, "--json"}).json()["warnings"][0]["id"] == "material-missing");
+  CHECK(run_command({"convert", mesh, asset, "--tiles", "4", "--color", "mesh"}).exit == 2);
+  const auto truck = find_data("meshes/CesiumMilkTruck.glb");
+  if (!truck) {
+    WARN("skipped: the test data are not there");
+    return;
+  }
+  const Run glb = run_command({"convert", *truck, asset, "--tiles", "8", "--color", "mesh", "--json"});
+  CHECK(glb.exit == 0);
+  CHECK(run_command({"info", *truck, "--json"}).json()["textures"] == 1);
 }

@@ -15,7 +15,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   const Result<WorkerMesh> mesh = read_mesh_message(exact.bytes());
   if (!mesh) return 0;
-  const auto& [triangles, paint] = mesh->painted;
+  const TriangleMesh& triangles = mesh->painted.mesh;
+  const SurfacePaint& paint = mesh->painted.paint;
   for (const Triangle& t : triangles.triangles)
     for (const std::uint32_t v : t) MESOCELL_FUZZ_CHECK(v < triangles.vertices.size());
   const auto fits = [&](std::size_t n) { return n == 0 || n == triangles.triangles.size(); };

@@ -40,7 +40,7 @@ struct Folder {
   std::string_view may_include;  ///< folders, each followed by a blank
 };
 
-constexpr std::array<Folder, 20> kFolders = {{
+constexpr std::array<Folder, 21> kFolders = {{
     {"format/loader/", ""},
     {"format/", ""},
     {"sdk/core/", "format/ "},
@@ -53,9 +53,10 @@ constexpr std::array<Folder, 20> kFolders = {{
     {"sdk/shade/", "format/ sdk/core/ sdk/trace/ "},
     {"sdk/measure/", "format/ sdk/core/ sdk/trace/ "},
     {"converters/image/", "format/ sdk/ "},
-    {"converters/export/", "format/ sdk/ converters/image/ converters/import/ "},
-    {"converters/import/", "format/ sdk/ converters/image/ "},
+    {"converters/export/", "format/ sdk/ converters/image/ converters/import/ converters/worker/ "},
     {"converters/worker/", "format/ sdk/ converters/image/ "},
+    {"converters/import/", "format/ sdk/ converters/image/ converters/worker/ "},
+    {"converters/mesh_worker/", "format/ sdk/ converters/import/ converters/worker/ "},
     {"converters/vdb/", "format/ sdk/ converters/image/ converters/import/ converters/worker/ "},
     {"converters/stability/", "format/ sdk/ converters/image/ "},
     {"converters/bench/", "format/ sdk/ converters/image/ converters/stability/ "},
@@ -69,7 +70,7 @@ struct ThirdParty {
   std::string_view where;
 };
 
-constexpr std::array<ThirdParty, 14> kThirdParties = {{
+constexpr std::array<ThirdParty, 17> kThirdParties = {{
     {"hwy/", "sdk/trace/packets.cpp sdk/trace/packet_ "},
     {"CGAL/", "sdk/membership/ sdk/wrap/ "},
     {"OpenMesh/", "converters/import/openmesh_reader.cpp "},
@@ -79,9 +80,11 @@ constexpr std::array<ThirdParty, 14> kThirdParties = {{
     {"nanovdb/", "converters/bench/peers/nanovdb_mask.cpp "},
     {"embree3/", "converters/bench/peers/embree_module.cpp "},
     {"tbb/", "converters/stability/methods/openvdb_module.cpp "},
-    {"CLI/", "converters/cli/command_line.cpp "},
-    {"draco/", "converters/export/draco_ "},
-    {"nlohmann/", "converters/cli/ converters/export/gltf_writer.cpp "},
+    {"CLI/", "converters/cli/command_line.cpp converters/cli/common_options.h converters/cli/convert_options. "},
+    {"draco/", "converters/export/draco_ converters/mesh_worker/draco_mesh.cpp "},
+    {"nlohmann/", "converters/cli/ converters/export/ converters/import/gltf_json.h converters/mesh_worker/gltf_library.cpp "},
+    {"tiny_gltf", "converters/mesh_worker/gltf_library.cpp converters/mesh_worker/gltf_accessor.h "},
+    {"stb/", "converters/mesh_worker/texture_decoder.cpp "},
     {"zstd", "format/ "},
     {"xxhash", "format/ "},
     {"boost/", "sdk/membership/ "},
