@@ -232,6 +232,58 @@ void VolumeLookup::add_range(const Node& node, const VoxelCoord& low, const Voxe
       }
 }
 
+std::optional<VolumeLookup::Range> VolumeLookup::fine_range(const Box3& box, const Range& enough) const {
+  constexpr std::size_t kEdge = std::size_t(kFine) + 1;
+  constexpr double kReach = SparseVolume::kReach - 2;
+  VoxelCoord low, cells;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (!(box.min[a] >= -kReach && box.max[a] < kReach && box.max[a] - box.min[a] < kFine))
+      return std::nullopt;
+    low[a] = std::int32_t(std::floor(box.min[a]));
+    cells[a] = std::int32_t(std::floor(box.max[a])) - low[a] + 1;
+    if (cells[a] > kFine) return std::nullopt;
+  }
+  std::array<double, kEdge * kEdge * kEdge> samples;
+  Range coarse = kEmpty;
+  for (std::int32_t z = 0; z <= cells[2]; ++z)
+    for (std::int32_t y = 0; y <= cells[1]; ++y)
+      for (std::int32_t x = 0; x <= cells[0]; ++x) {
+        const double v = value({low[0] + x, low[1] + y, low[2] + z});
+        samples[std::size_t(x) + kEdge * (std::size_t(y) + kEdge * std::size_t(z))] = v;
+        grow(coarse, v, v);
+      }
+  if (coarse.high < enough.low || coarse.low > enough.high) return coarse;
+  // Of a cell the part that is in the box, as shares of its edges.
+  const auto part = [&](std::size_t a, std::int32_t cell) {
+    const double at = low[a] + cell;
+    return std::array<double, 2>{std::max(box.min[a] - at, 0.0), std::min(box.max[a] - at, 1.0)};
+  };
+  Range found = kEmpty;
+  for (std::int32_t z = 0; z < cells[2]; ++z)
+    for (std::int32_t y = 0; y < cells[1]; ++y)
+      for (std::int32_t x = 0; x < cells[0]; ++x) {
+        const std::array<double, 2> tx = part(0, x), ty = part(1, y), tz = part(2, z);
+        const double* const v =
+            samples.data() + std::size_t(x) + kEdge * (std::size_t(y) + kEdge * std::size_t(z));
+        for (const double t : tx) {
+          const std::array<double, 4> c = {mix(v[0], v[1], t), mix(v[kEdge], v[kEdge + 1], t),
+                                           mix(v[kEdge * kEdge], v[kEdge * kEdge + 1], t),
+                                           mix(v[kEdge * kEdge + kEdge], v[kEdge * kEdge + kEdge + 1], t)};
+          for (const double u : ty) {
+            const double near = mix(c[0], c[1], u), far = mix(c[2], c[3], u);
+            for (const double w : tz) {
+              const double value = mix(near, far, w);
+              grow(found, value, value);
+            }
+          }
+        }
+        if (beyond(found, enough)) return found;
+      }
+  // Rounding goes by the samples, which may be much greater than what is between them.
+  const double slack = 1e-13 * std::max(std::abs(coarse.low), std::abs(coarse.high));
+  return Range{found.low - slack, found.high + slack};
+}
+
 VolumeLookup::Range VolumeLookup::range(const VoxelCoord& low, const VoxelCoord& high,
                                         const Range& enough) const {
   Range found = kEmpty;

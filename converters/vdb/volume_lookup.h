@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "converters/vdb/sparse_volume.h"
@@ -55,6 +56,11 @@ class VolumeLookup {
   /// The least range that is sure to hold the first numbers of all samples from `low` to `high`, by leaves
   /// and tiles; it ends early, with what it has, when it is beyond `enough` on both sides.
   [[nodiscard]] Range range(const VoxelCoord& low, const VoxelCoord& high, const Range& enough) const;
+  /// The range of what is interpolated in a box, in samples, but for rounding; none if the box spans more
+  /// than kFine cells along an axis, or leaves the reach of volumes. Between 8 samples that is trilinear, so
+  /// its extremes in a box are at the box's corners.
+  static constexpr std::int32_t kFine = 4;
+  [[nodiscard]] std::optional<Range> fine_range(const Box3& box, const Range& enough) const;
   /// The range of a leaf's values.
   [[nodiscard]] const Range& leaf_range(std::size_t leaf) const { return leaf_ranges_[leaf]; }
 

@@ -38,6 +38,8 @@ class VolumeShape final : public SolidShape {
   /// Whether a sample with this value is inside.
   [[nodiscard]] bool solid(double value) const;
   [[nodiscard]] bool interpolates() const { return iso_.has_value(); }
+  /// The side of all samples from `low` to `high`.
+  [[nodiscard]] BoxSide side_of_samples(const VoxelCoord& low, const VoxelCoord& high) const;
   void find_box();
 
   SparseVolume volume_;
