@@ -246,6 +246,9 @@ Result<LabelVolume> labels_of(const SparseVolume& volume) {
                                           " voxels along an axis, a tile has at most 1024; crop it"};
     labels.resolution[a] = std::uint32_t(high[a] - low[a] + 1);
   }
+  constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 28;
+  if (labels.voxel_count() > kMaxVoxels)
+    return Error{ErrorCode::kLimit, "its active voxels are in a box of more than 2^28 voxels; crop it"};
   const VolumeLookup lookup(volume);
   labels.labels.reserve(labels.voxel_count());
   VoxelCoord at;
