@@ -5,12 +5,14 @@
 #include <string_view>
 #include <utility>
 
+#include "converters/cli/volume_source.h"
 #include "converters/import/volume_file.h"
+#include "sdk/surface/instance_colors.h"
 
 namespace mesocell {
 namespace {
 
-constexpr std::string_view kImport = "image", kOwn = "mesh", kOption = "--color";
+constexpr std::string_view kImport = "image", kOwn = "mesh", kOwnGrid = "grid", kVolume = "volume", kOption = "--color";
 
 /// What tells that a texture does not tile.
 void check_seams(const ColorMap& map, std::vector<Warning>& warnings) {
@@ -25,13 +27,33 @@ void check_seams(const ColorMap& map, std::vector<Warning>& warnings) {
   warnings.push_back({"color-seam", text});
 }
 
+/// A color for each instance from a grid of a volume.
+std::optional<Failure> read_colors_of_volume(const Recipe& recipe, const Progress& progress, Colors& colors) {
+  const std::string option(kOption);
+  constexpr std::array<std::string_view, 2> kOptions = {"file", "grid"};
+  if (const Status status = check_options(recipe, "color", kOptions); !status)
+    return Failure{status.error(), option};
+  const auto file = recipe.options.find("file"), grid = recipe.options.find("grid");
+  if (file == recipe.options.end()) return usage(option, "a file is missing; write volume:file=NAME");
+  const auto read =
+      read_volume_colors(file->second, grid == recipe.options.end() ? std::string() : grid->second, &progress);
+  if (!read) return Failure{read.error(), read.error().code == ErrorCode::kUsage ? option : file->second};
+  colors = {};
+  colors.instances = [volume = *read](const CellObject& object, unsigned threads, const Progress* bar) {
+    return make_instance_colors(
+        object, [&](Vec3 at) { return volume->at(at); }, threads, bar);
+  };
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Failure> make_sourced_colors(const Recipe& recipe, std::uint32_t cell_count,
                                            const ShapeSource& shape, const Progress& progress, Colors& colors,
                                            std::vector<Warning>& warnings) {
   const std::string option(kOption);
-  if (recipe.name == kOwn) {
+  if (recipe.name == kVolume) return read_colors_of_volume(recipe, progress, colors);
+  if (recipe.name == kOwn || recipe.name == kOwnGrid) {
     if (const Status status = check_options(recipe, "color", {}); !status)
       return Failure{status.error(), option};
     if (const Status status = shape.check_colors(); !status) return Failure{status.error(), option};
@@ -71,7 +93,9 @@ std::string color_sources_help() {
          "mesh   the mesh's own (of vertices, faces, materials and textures), one for each cell inside\n"
          "image:file=slices/   a picture, a folder of pictures or a TIFF of several, as a solid texture of "
          "the tile;\n"
-         "    resolution=WxHxD is needed for .raw alone\n";
+         "    resolution=WxHxD is needed for .raw alone\n"
+         "grid   of a .vdb as input the colors of its first grid of colors, one for each cell inside\n"
+         "volume:file=x.vdb,grid=Cd   the same of another file or grid; linear light\n";
 }
 
 }  // namespace mesocell

@@ -17,6 +17,7 @@
 #include "converters/cli/repack.h"
 #include "converters/cli/repair_report.h"
 #include "converters/cli/representations.h"
+#include "converters/cli/restore.h"
 #include "converters/cli/shape_source.h"
 #include "format/cell_object_io.h"
 #include "format/file.h"
@@ -132,7 +133,9 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
 std::optional<Failure> convert_assets(const ConvertCommand& command, const Progress& progress,
                                       Outcome& outcome) {
   Stopwatch watch;
-  if (auto failure = repack(command, progress, outcome.file)) return failure;
+  if (auto failure = is_repack(command) ? repack(command, progress, outcome.file)
+                                        : restore(command, progress, outcome.file))
+    return failure;
   const bool given = command.tiles || command.tile_size || !command.box.empty() || command.tile ||
                      command.rule || command.percolating || command.repair || command.solid ||
                      command.stitch || command.thicken || command.wrap_alpha || command.wrap_offset ||
@@ -140,7 +143,7 @@ std::optional<Failure> convert_assets(const ConvertCommand& command, const Progr
   if (given)
     outcome.report.warnings.push_back(
         {"option-unused",
-         "only --codec, --meta, --target-version and --no-clobber have an effect on .meso files"});
+         "only --codec, --meta, --target-version and --no-clobber have an effect on assets"});
   outcome.seconds.total = watch.total();
   return std::nullopt;
 }
@@ -185,7 +188,7 @@ int run_convert(const ConvertCommand& command) {
   const Console console(command.common);
   ProgressBar bar(!console.quiet());
   Outcome outcome;
-  const std::optional<Failure> failure = is_repack(command) ? convert_assets(command, bar.progress(), outcome)
+  const std::optional<Failure> failure = is_repack(command) || is_restore(command) ? convert_assets(command, bar.progress(), outcome)
                                                             : convert(command, bar.progress(), outcome);
   bar.finish();
   const MeshDiagnosis& diagnosis = outcome.report.diagnosis;

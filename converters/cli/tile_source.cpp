@@ -10,6 +10,8 @@
 #include "converters/import/height_file.h"
 #include "converters/import/mesh_file.h"
 #include "converters/import/volume_file.h"
+#include "converters/vdb/vdb_file.h"
+#include "converters/vdb/volume_shape.h"
 #include "format/cell_object_io.h"
 #include "sdk/author/height_field.h"
 #include "sdk/author/mesh_tile.h"
@@ -47,6 +49,17 @@ Result<TileMap> import_meshes(const Import& import, TileReport& report) {
   return make_mesh_tile(parts, *resolution, placement, import.options.threads, &report, &import.progress);
 }
 
+/// The labels of a grid of whole numbers.
+Result<LabelVolume> read_label_grid(const Import& import) {
+  VdbReadOptions read;
+  read.purpose = VdbPurpose::kLabels;
+  if (const auto grid = import.recipe.options.find("grid"); grid != import.recipe.options.end())
+    read.grid = grid->second;
+  const Result<SparseVolume> volume = read_vdb(import.file, read, nullptr, &import.progress);
+  if (!volume) return volume.error();
+  return labels_of(*volume);
+}
+
 Result<TileMap> import_labels(const Import& import, TileReport& report) {
   VolumeReadOptions read;
   if (import.recipe.options.contains("resolution")) {
@@ -54,7 +67,9 @@ Result<TileMap> import_labels(const Import& import, TileReport& report) {
     if (!resolution) return resolution.error();
     read.raw_resolution = *resolution;
   }
-  const Result<LabelVolume> volume = read_label_volume(import.file, read, &import.progress);
+  const Result<LabelVolume> volume = is_vdb_file(import.file)
+                                         ? read_label_grid(import)
+                                         : read_label_volume(import.file, read, &import.progress);
   if (!volume) return volume.error();
   return make_label_tile(*volume, import.options.percolating, import.options.threads, &report,
                          &import.progress);
@@ -102,10 +117,11 @@ constexpr Importer kImporters[] = {
      "    corner [centred]; cells=parts|file: a cell for each part that is not connected [parts], or one",
      import_meshes},
     {"labels",
-     "a volume of labels, 0 for empty space: a folder of pictures, a TIFF of several, or .raw",
-     {"file", "resolution"},
+     "a volume of labels, 0 for empty space: a folder of pictures, a TIFF of several, .raw or "
+     ".vdb",
+     {"file", "resolution", "grid"},
      "labels:file=slices/\n"
-     "    resolution=WxHxD is needed for .raw alone; --percolating says what is done with a cell that\n"
+     "    resolution=WxHxD is needed for .raw alone; grid=NAME: of a .vdb; --percolating says what is done with a cell that\n"
      "    meets its own copy through the border",
      import_labels},
     {"heights",

@@ -15,6 +15,7 @@
 #include "converters/vdb/vdb_file.h"
 #include "converters/vdb/volume_shape.h"
 #include "format/utf8.h"
+#include "sdk/surface/instance_colors.h"
 
 namespace mesocell {
 namespace {
@@ -34,18 +35,36 @@ bool is_scan(const std::string& path) {
 /// A volume, filled with tiles.
 class VolumeSource final : public ShapeSource {
  public:
-  VolumeSource(std::unique_ptr<VolumeShape> shape, Metadata metadata)
-      : shape_(std::move(shape)), metadata_(std::move(metadata)) {}
+  VolumeSource(std::unique_ptr<VolumeShape> shape, Metadata metadata, std::string path)
+      : shape_(std::move(shape)), metadata_(std::move(metadata)), path_(std::move(path)) {}
   [[nodiscard]] Result<CellObject> fill(TileMap tile, const AuthorOptions& options, AuthorReport& report,
                                         const Progress& progress) const override {
     return author_cell_object(*shape_, std::move(tile), options, &report, &progress);
   }
   [[nodiscard]] const TriangleMesh& surface() const override { return none_; }
   [[nodiscard]] Metadata metadata() const override { return metadata_; }
+  [[nodiscard]] Status check_colors() const override {
+    const Result<std::vector<VdbGridHead>> grids = read_vdb_header(path_);
+    const auto has_colors = [](const VdbGridHead& grid) {
+      return grid.type.starts_with("vec3s") || grid.type.starts_with("vec3d");
+    };
+    if (!grids || std::none_of(grids->begin(), grids->end(), has_colors))
+      return Error{ErrorCode::kUsage,
+                   "the volume has no grid of colors (vec3s or vec3d); choose another color"};
+    return {};
+  }
+  [[nodiscard]] Result<std::vector<Rgb8>> instance_colors(const CellObject& object, unsigned threads,
+                                                          const Progress* progress) const override {
+    const auto colors = read_volume_colors(path_, {}, progress);
+    if (!colors) return colors.error();
+    return make_instance_colors(
+        object, [&](Vec3 at) { return (*colors)->at(at); }, threads, progress);
+  }
 
  private:
   std::unique_ptr<VolumeShape> shape_;
   Metadata metadata_;
+  std::string path_;
   TriangleMesh none_;
 };
 
@@ -142,6 +161,17 @@ nlohmann::ordered_json grid_json(const VdbGridInfo& grid) {
 
 }  // namespace
 
+Result<std::shared_ptr<const VolumeColors>> read_volume_colors(const std::string& path,
+                                                               const std::string& grid,
+                                                               const Progress* progress) {
+  VdbReadOptions options;
+  options.grid = grid;
+  options.purpose = VdbPurpose::kColors;
+  Result<SparseVolume> volume = read_vdb(path, options, nullptr, progress);
+  if (!volume) return volume.error();
+  return VolumeColors::make(std::move(*volume));
+}
+
 bool is_volume_input(const std::string& path) {
   return is_vdb(path) || is_scan(path) || is_raw_volume(path) || is_slice_stack(path);
 }
@@ -170,7 +200,7 @@ std::optional<Failure> read_volume_shape(const ConvertCommand& command, const Pr
   Result<std::unique_ptr<VolumeShape>> made = VolumeShape::make(std::move(*volume), command.iso);
   if (!made) return Failure{made.error(), made.error().code == ErrorCode::kUsage ? "--iso" : command.input};
   Metadata metadata{{"source", source_text(command.input, report.grid, (*made)->iso())}};
-  shape = std::make_unique<VolumeSource>(std::move(*made), std::move(metadata));
+  shape = std::make_unique<VolumeSource>(std::move(*made), std::move(metadata), command.input);
   return std::nullopt;
 }
 

@@ -9,6 +9,7 @@
 #include "converters/cli/commands.h"
 #include "converters/cli/console.h"
 #include "converters/cli/shape_source.h"
+#include "converters/vdb/volume_shape.h"
 #include "sdk/core/progress.h"
 
 namespace mesocell {
@@ -22,6 +23,12 @@ namespace mesocell {
                                                        const Progress& progress,
                                                        std::unique_ptr<ShapeSource>& shape,
                                                        std::vector<Warning>& warnings);
+
+/// Reads the colors of a grid of a .vdb file, the first one of colors if none is named. Untrusted input:
+/// safe.
+[[nodiscard]] Result<std::shared_ptr<const VolumeColors>> read_volume_colors(const std::string& path,
+                                                                             const std::string& grid,
+                                                                             const Progress* progress);
 
 /// What `info` tells of a volume: format, and of each grid name, type, class, active voxels, transform, box.
 /// Untrusted input: safe.

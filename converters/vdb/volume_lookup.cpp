@@ -156,13 +156,15 @@ VolumeValue VolumeLookup::numbers(const VoxelCoord& at) const {
   return leaf == PlaceTable::kNone ? beyond_leaves(at) : leaf_numbers(leaf, at);
 }
 
-std::array<double, 8> VolumeLookup::corners(const VoxelCoord& low) const {
+double VolumeLookup::interpolate(Vec3 at) const {
+  std::array<double, 3> t;
+  VoxelCoord low;
+  for (std::size_t a = 0; a < 3; ++a) low[a] = split(at[a], t[a]);
   std::array<double, 8> v;
   const std::uint32_t leaf = find_leaf(low);
   const bool within = (low[0] & 7) < 7 && (low[1] & 7) < 7 && (low[2] & 7) < 7;
-  if (within && leaf == PlaceTable::kNone) {
-    v.fill(beyond_leaves(low)[0]);
-  } else if (within && volume_.type == VolumeType::kFloat) {
+  if (within && leaf == PlaceTable::kNone) return beyond_leaves(low)[0];
+  if (within && volume_.type == VolumeType::kFloat) {
     const float* first =
         volume_.floats.data() + std::size_t{leaf} * SparseVolume::kLeafVoxels + offset_in_leaf(low);
     for (std::size_t k = 0; k < 8; ++k) v[k] = double(first[(k & 1) + 8 * (k >> 1 & 1) + 64 * (k >> 2)]);
@@ -171,39 +173,9 @@ std::array<double, 8> VolumeLookup::corners(const VoxelCoord& low) const {
       v[k] = value(
           {low[0] + std::int32_t(k & 1), low[1] + std::int32_t(k >> 1 & 1), low[2] + std::int32_t(k >> 2)});
   }
-  return v;
-}
-
-double VolumeLookup::interpolate(Vec3 at) const {
-  std::array<double, 3> t;
-  VoxelCoord low;
-  for (std::size_t a = 0; a < 3; ++a) low[a] = split(at[a], t[a]);
-  std::array<double, 8> v = corners(low);
   for (std::size_t k = 0; k < 4; ++k) v[k] = mix(v[2 * k], v[2 * k + 1], t[0]);
   for (std::size_t k = 0; k < 2; ++k) v[k] = mix(v[2 * k], v[2 * k + 1], t[1]);
   return mix(v[0], v[1], t[2]);
-}
-
-std::optional<VolumeLookup::Range> VolumeLookup::range_in_cell(Vec3 low, Vec3 high) const {
-  std::array<double, 3> t0, t1;
-  VoxelCoord cell;
-  for (std::size_t a = 0; a < 3; ++a) {
-    cell[a] = split(low[a], t0[a]);
-    double rest;
-    if (split(high[a], rest) != cell[a]) return std::nullopt;
-    t1[a] = rest;
-  }
-  const std::array<double, 8> v = corners(cell);
-  Range found = kEmpty;
-  for (unsigned k = 0; k < 8; ++k) {
-    const double x = k & 1 ? t1[0] : t0[0], y = k & 2 ? t1[1] : t0[1], z = k & 4 ? t1[2] : t0[2];
-    const double near = mix(mix(v[0], v[1], x), mix(v[2], v[3], x), y);
-    const double value = mix(near, mix(mix(v[4], v[5], x), mix(v[6], v[7], x), y), z);
-    grow(found, value, value);
-  }
-  double most = 0;
-  for (const double sample : v) most = std::max(most, std::abs(sample));
-  return Range{found.low - 1e-12 * most, found.high + 1e-12 * most};
 }
 
 VolumeValue VolumeLookup::interpolate_numbers(Vec3 at) const {
@@ -230,34 +202,6 @@ double VolumeLookup::nearest(Vec3 at) const {
   return value(low);
 }
 
-void VolumeLookup::add_leaf(std::uint32_t leaf, const VoxelCoord& low, const VoxelCoord& high,
-                            const Range& enough, Range& found) const {
-  const Range& all = leaf_ranges_[leaf];
-  if (all.low >= found.low && all.high <= found.high) return;
-  const VoxelCoord& origin = volume_.leaves[leaf].origin;
-  VoxelCoord first, last;
-  bool whole = true;
-  for (std::size_t a = 0; a < 3; ++a) {
-    first[a] = std::max(low[a], origin[a]);
-    last[a] = std::min(high[a], origin[a] + 7);
-    whole = whole && first[a] == origin[a] && last[a] == origin[a] + 7;
-  }
-  // Near the surface a leaf is on both sides of it, while most of its parts are not.
-  if (whole || !beyond(all, enough)) {
-    grow(found, all.low, all.high);
-    return;
-  }
-  VoxelCoord at;
-  for (at[2] = first[2]; at[2] <= last[2]; ++at[2])
-    for (at[1] = first[1]; at[1] <= last[1]; ++at[1]) {
-      for (at[0] = first[0]; at[0] <= last[0]; ++at[0]) {
-        const double v = leaf_numbers(leaf, at)[0];
-        grow(found, v, v);
-      }
-      if (beyond(found, enough)) return;
-    }
-}
-
 void VolumeLookup::add_range(const Node& node, const VoxelCoord& low, const VoxelCoord& high,
                              const Range& enough, Range& found) const {
   VoxelCoord first, last;
@@ -279,13 +223,65 @@ void VolumeLookup::add_range(const Node& node, const VoxelCoord& low, const Voxe
       for (std::int32_t x = begin[0]; x <= last[0]; x += 8) {
         const std::uint32_t leaf = leaves_.find({x, y, z});
         if (leaf != PlaceTable::kNone) {
-          add_leaf(leaf, first, last, enough, found);
+          grow(found, leaf_ranges_[leaf].low, leaf_ranges_[leaf].high);
         } else {
           const double v = beyond_leaves({x, y, z})[0];
           grow(found, v, v);
         }
         if (beyond(found, enough)) return;
       }
+}
+
+std::optional<VolumeLookup::Range> VolumeLookup::fine_range(const Box3& box, const Range& enough) const {
+  constexpr std::size_t kEdge = std::size_t(kFine) + 1;
+  constexpr double kReach = SparseVolume::kReach - 2;
+  VoxelCoord low, cells;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (!(box.min[a] >= -kReach && box.max[a] < kReach && box.max[a] - box.min[a] < kFine))
+      return std::nullopt;
+    low[a] = std::int32_t(std::floor(box.min[a]));
+    cells[a] = std::int32_t(std::floor(box.max[a])) - low[a] + 1;
+    if (cells[a] > kFine) return std::nullopt;
+  }
+  std::array<double, kEdge * kEdge * kEdge> samples;
+  Range coarse = kEmpty;
+  for (std::int32_t z = 0; z <= cells[2]; ++z)
+    for (std::int32_t y = 0; y <= cells[1]; ++y)
+      for (std::int32_t x = 0; x <= cells[0]; ++x) {
+        const double v = value({low[0] + x, low[1] + y, low[2] + z});
+        samples[std::size_t(x) + kEdge * (std::size_t(y) + kEdge * std::size_t(z))] = v;
+        grow(coarse, v, v);
+      }
+  if (coarse.high < enough.low || coarse.low > enough.high) return coarse;
+  // Of a cell the part that is in the box, as shares of its edges.
+  const auto part = [&](std::size_t a, std::int32_t cell) {
+    const double at = low[a] + cell;
+    return std::array<double, 2>{std::max(box.min[a] - at, 0.0), std::min(box.max[a] - at, 1.0)};
+  };
+  Range found = kEmpty;
+  for (std::int32_t z = 0; z < cells[2]; ++z)
+    for (std::int32_t y = 0; y < cells[1]; ++y)
+      for (std::int32_t x = 0; x < cells[0]; ++x) {
+        const std::array<double, 2> tx = part(0, x), ty = part(1, y), tz = part(2, z);
+        const double* const v =
+            samples.data() + std::size_t(x) + kEdge * (std::size_t(y) + kEdge * std::size_t(z));
+        for (const double t : tx) {
+          const std::array<double, 4> c = {mix(v[0], v[1], t), mix(v[kEdge], v[kEdge + 1], t),
+                                           mix(v[kEdge * kEdge], v[kEdge * kEdge + 1], t),
+                                           mix(v[kEdge * kEdge + kEdge], v[kEdge * kEdge + kEdge + 1], t)};
+          for (const double u : ty) {
+            const double near = mix(c[0], c[1], u), far = mix(c[2], c[3], u);
+            for (const double w : tz) {
+              const double value = mix(near, far, w);
+              grow(found, value, value);
+            }
+          }
+        }
+        if (beyond(found, enough)) return found;
+      }
+  // Rounding goes by the samples, which may be much greater than what is between them.
+  const double slack = 1e-13 * std::max(std::abs(coarse.low), std::abs(coarse.high));
+  return Range{found.low - slack, found.high + slack};
 }
 
 VolumeLookup::Range VolumeLookup::range(const VoxelCoord& low, const VoxelCoord& high,

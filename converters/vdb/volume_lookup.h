@@ -53,13 +53,14 @@ class VolumeLookup {
   struct Range {
     double low, high;
   };
-  /// A range that is sure to hold the first numbers of all samples from `low` to `high`, by leaves and tiles,
-  /// or sample by sample where a leaf is on both sides of `enough`; it ends early, with what it has, when it
-  /// is beyond `enough` on both sides.
+  /// The least range that is sure to hold the first numbers of all samples from `low` to `high`, by leaves
+  /// and tiles; it ends early, with what it has, when it is beyond `enough` on both sides.
   [[nodiscard]] Range range(const VoxelCoord& low, const VoxelCoord& high, const Range& enough) const;
-  /// The range of interpolated values in a box that lies between eight samples: trilinear functions have
-  /// their extremes at its corners; with what rounding may add. None if it does not.
-  [[nodiscard]] std::optional<Range> range_in_cell(Vec3 low, Vec3 high) const;
+  /// The range of what is interpolated in a box, in samples, but for rounding; none if the box spans more
+  /// than kFine cells along an axis, or leaves the reach of volumes. Between 8 samples that is trilinear, so
+  /// its extremes in a box are at the box's corners.
+  static constexpr std::int32_t kFine = 4;
+  [[nodiscard]] std::optional<Range> fine_range(const Box3& box, const Range& enough) const;
   /// The range of a leaf's values.
   [[nodiscard]] const Range& leaf_range(std::size_t leaf) const { return leaf_ranges_[leaf]; }
 
@@ -70,14 +71,10 @@ class VolumeLookup {
     Range range{};
     std::uint32_t parts = 0;  ///< leaves and smallest tiles
   };
-  /// The samples of a cell, x fastest.
-  [[nodiscard]] std::array<double, 8> corners(const VoxelCoord& low) const;
   /// Where a leaf's numbers begin, or none; `other` is then the value.
   [[nodiscard]] std::uint32_t find_leaf(const VoxelCoord& at) const;
   [[nodiscard]] const VolumeValue& beyond_leaves(const VoxelCoord& at) const;
   [[nodiscard]] VolumeValue leaf_numbers(std::uint32_t leaf, const VoxelCoord& at) const;
-  void add_leaf(std::uint32_t leaf, const VoxelCoord& low, const VoxelCoord& high, const Range& enough,
-                Range& found) const;
   void add_range(const Node& node, const VoxelCoord& low, const VoxelCoord& high, const Range& enough,
                  Range& found) const;
 

@@ -31,6 +31,13 @@ Error nothing_inside(const std::string& why) {
   return {ErrorCode::kInvalidInput, "nothing is inside of the volume: " + why};
 }
 
+/// Whether there are so few samples from `low` to `high` that each can be asked for.
+bool few(const VoxelCoord& low, const VoxelCoord& high) {
+  bool few = true;
+  for (std::size_t a = 0; a < 3; ++a) few = few && high[a] - low[a] < 4;
+  return few;
+}
+
 /// The greatest value of all samples.
 double greatest(const SparseVolume& volume) {
   double most = volume.background[0];
@@ -130,15 +137,28 @@ BoxSide VolumeShape::side(const Box3& box) const {
   }
   if (!interpolates()) {
     const VolumeLookup::Range found = lookup_.range(low, high, {0, 0});
+    if (found.low <= 0 && found.high >= 0 && few(low, high)) return side_of_samples(low, high);
     if (found.low == 0 && found.high == 0) return BoxSide::kOutside;
     return found.low > 0 || found.high < 0 ? BoxSide::kInside : BoxSide::kMixed;
   }
-  const std::optional<VolumeLookup::Range> in_cell = lookup_.range_in_cell(samples.min, samples.max);
-  const VolumeLookup::Range found = in_cell ? *in_cell : lookup_.range(low, high, {*iso_, *iso_});
-  const double slack = in_cell ? 0 : value_slack(found);
+  const std::optional<VolumeLookup::Range> fine = lookup_.fine_range(samples, {*iso_, *iso_});
+  const VolumeLookup::Range found = fine ? *fine : lookup_.range(low, high, {*iso_, *iso_});
+  const double slack = value_slack(found);
   const bool below = found.high + slack < *iso_, above = found.low - slack >= *iso_;
   if (!below && !above) return BoxSide::kMixed;
   return below == (volume_.volume_class == VolumeClass::kLevelSet) ? BoxSide::kInside : BoxSide::kOutside;
+}
+
+BoxSide VolumeShape::side_of_samples(const VoxelCoord& low, const VoxelCoord& high) const {
+  bool in = false, out = false;
+  VoxelCoord at;
+  for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
+    for (at[1] = low[1]; at[1] <= high[1]; ++at[1])
+      for (at[0] = low[0]; at[0] <= high[0]; ++at[0]) {
+        (solid(lookup_.value(at)) ? in : out) = true;
+        if (in && out) return BoxSide::kMixed;
+      }
+  return in ? BoxSide::kInside : BoxSide::kOutside;
 }
 
 void VolumeShape::find_box() {
@@ -226,6 +246,9 @@ Result<LabelVolume> labels_of(const SparseVolume& volume) {
                                           " voxels along an axis, a tile has at most 1024; crop it"};
     labels.resolution[a] = std::uint32_t(high[a] - low[a] + 1);
   }
+  constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 28;
+  if (labels.voxel_count() > kMaxVoxels)
+    return Error{ErrorCode::kLimit, "its active voxels are in a box of more than 2^28 voxels; crop it"};
   const VolumeLookup lookup(volume);
   labels.labels.reserve(labels.voxel_count());
   VoxelCoord at;

@@ -38,6 +38,8 @@ class VolumeShape final : public SolidShape {
   /// Whether a sample with this value is inside.
   [[nodiscard]] bool solid(double value) const;
   [[nodiscard]] bool interpolates() const { return iso_.has_value(); }
+  /// The side of all samples from `low` to `high`.
+  [[nodiscard]] BoxSide side_of_samples(const VoxelCoord& low, const VoxelCoord& high) const;
   void find_box();
 
   SparseVolume volume_;
@@ -66,7 +68,7 @@ class VolumeColors {
 /// The labels of a tile from a volume of whole numbers or a mask: the box of its active voxels, or that in
 /// the metadata "mesocell:resolution" from (0,0,0), as our own files have it. Numbers stay as they are,
 /// negative ones and 0 are empty space. Errors: kInvalidInput (of another type, nothing active), kLimit (more
-/// than 1024 voxels along an axis).
+/// than 1024 voxels along an axis, 2^28 in all).
 [[nodiscard]] Result<LabelVolume> labels_of(const SparseVolume& volume);
 
 }  // namespace mesocell

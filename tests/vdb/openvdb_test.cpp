@@ -114,6 +114,6 @@ TEST_CASE("openvdb: the volume that it measures of an exported level set is that
       // the edge.
       std::printf("%s, %u tiles: volume %.6g, by OpenVDB %.6g: %+.3f %%\n", recipe, tiles,
                   inside_volume(*object), theirs, 100 * (theirs / inside_volume(*object) - 1));
-      CHECK(std::abs(theirs - inside_volume(*object)) <= 0.02 * inside_volume(*object));
+      CHECK(std::abs(theirs - inside_volume(*object)) <= 0.01 * inside_volume(*object));
     }
 }
