@@ -37,8 +37,7 @@ struct PlainMesh {
   std::vector<MeshWarning> warnings;
 };
 
-/// Vertices and corners of a polygon cut into triangles have colors or texture coordinates in some files for
-/// some of them only: brings an array of one entry a triangle to `count`.
+/// Brings an array of one entry a triangle to `count`, where the first triangles of a file have none.
 template <typename T>
 void fill_up(std::vector<T>& array, std::uint64_t count, const T& with) {
   array.resize(std::size_t(count), with);
