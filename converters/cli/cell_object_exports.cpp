@@ -3,15 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 
 #include "converters/cli/values.h"
+#include "converters/export/basic_mesh.h"
 #include "converters/export/gpu_textures.h"
 #include "converters/export/height_map.h"
 #include "converters/export/image_stack.h"
 #include "converters/export/mesh_export.h"
+#include "converters/export/mesh_writer.h"
 #include "converters/vdb/vdb_export.h"
+#include "format/file.h"
 
 namespace mesocell {
 namespace {
@@ -119,9 +123,7 @@ Status export_instances(const ExportJob& job) { return export_mesh(job, true); }
 Status export_grids(const ExportJob& job, const VdbKinds& kinds) {
   VdbExportOptions options{
       .kinds = kinds, .no_clobber = job.command.no_clobber, .threads = job.command.common.threads};
-  std::optional<TileBox> box;
-  if (Status status = parse_region(job, box); !status) return status;
-  if (box) options.tiles = TileRange{box->begin, box->end};
+  if (Status status = parse_region(job, options.tiles); !status) return status;
   VdbExportReport report;
   const Status status = export_vdb(job.object, job.command.output, options, &report, &job.progress);
   for (const VdbExportReport::Grid& grid : report.grids) job.report["grids"][grid.name] = grid.voxels;
@@ -134,11 +136,38 @@ Status export_fog(const ExportJob& job) { return export_grids(job, {.fog = true}
 Status export_labels(const ExportJob& job) { return export_grids(job, {.labels = true}); }
 Status export_color_grid(const ExportJob& job) { return export_grids(job, {.fog = true, .colors = true}); }
 
+Status export_basic_mesh(const ExportJob& job) {
+  if (!job.object.basic_mesh)
+    return Error{ErrorCode::kUsage,
+                 "the asset does not hold its basic mesh; convert the mesh with --keep-mesh"};
+  const BasicMesh& kept = *job.object.basic_mesh;
+  job.report["vertices"] = kept.vertices;
+  job.report["triangles"] = kept.triangles;
+  job.report["max_error"] = kept.max_error;
+  char text[96];
+  std::snprintf(text, sizeof text, "vertices are up to %.3g m from where they were", double(kept.max_error));
+  add_losses({text, "materials and colors of faces"}, job);
+  if (has_extension(job.command.output, ".drc")) {
+    job.report["bytes"] = kept.draco.size();
+    return write_file(job.command.output, kept.draco, job.command.no_clobber);
+  }
+  const Result<TriangleMesh> mesh = read_basic_mesh(kept, &job.progress);
+  if (!mesh) return mesh.error();
+  MeshWriteReport report;
+  const Status status = write_mesh_file(view_of(*mesh), job.command.output,
+                                        {.no_clobber = job.command.no_clobber}, &report, &job.progress);
+  job.report["bytes"] = report.bytes;
+  add_losses(report.losses, job);
+  return status;
+}
+
 constexpr ExportKind kKinds[] = {
     {"surface", ".glb .obj .off .ply .stl", "the surface as a closed mesh, two triangles a voxel's face",
      "--region --max-faces --normals --draco", export_surface},
     {"instances", ".glb", "a mesh of each cell, placed wherever it is inside (EXT_mesh_gpu_instancing)",
      "--max-faces --normals --draco --drop-buried", export_instances},
+    {"basic-mesh", ".drc .obj .off .ply .stl", "the mesh that it was made of, if it was kept", "",
+     export_basic_mesh},
     {"level-set", ".vdb", "distances to the surface", "--region", export_level_set},
     {"fog", ".vdb", "1 inside, 0 elsewhere", "--region", export_fog},
     {"labels", ".vdb", "cells, membership and tile; converts back to an equal asset", "", export_labels},

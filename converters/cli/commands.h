@@ -26,7 +26,7 @@ struct ConvertCommand {
   std::optional<double> stitch, thicken, wrap_alpha, wrap_offset;  ///< metres
   std::optional<std::string> color, grid;  ///< grid: of a volume
   std::optional<double> iso;
-  bool normals = false;
+  bool normals = false, keep_mesh = false;
   // Of assets to other formats.
   std::optional<std::string> as, region, side, size;
   std::optional<std::uint64_t> max_faces;

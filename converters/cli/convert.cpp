@@ -19,6 +19,7 @@
 #include "converters/cli/representations.h"
 #include "converters/cli/restore.h"
 #include "converters/cli/shape_source.h"
+#include "converters/export/basic_mesh.h"
 #include "format/cell_object_io.h"
 #include "format/file.h"
 #include "sdk/surface/normals.h"
@@ -79,6 +80,20 @@ std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertP
   return std::nullopt;
 }
 
+/// Keeps the mesh in the asset if that is wanted.
+std::optional<Failure> keep_mesh(const ConvertCommand& command, const ShapeSource& shape, CellObject& object,
+                                 std::vector<Warning>& warnings) {
+  if (!command.keep_mesh) return std::nullopt;
+  if (shape.surface().triangles.empty()) {
+    warnings.push_back({"option-unused", "--keep-mesh has no effect where there is no mesh"});
+    return std::nullopt;
+  }
+  Result<BasicMesh> mesh = compress_basic_mesh(shape.surface());
+  if (!mesh) return Failure{mesh.error(), command.input};
+  object.basic_mesh = std::move(*mesh);
+  return std::nullopt;
+}
+
 /// Reads the shape, makes the tile, authors, writes, and reads back what was written.
 std::optional<Failure> convert(const ConvertCommand& command, const Progress& progress, Outcome& outcome) {
   Stopwatch watch;
@@ -111,6 +126,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
   watch.lap();
   if (auto failure = add_surface(command, plan, tile, *shape, outcome.report, progress, *object))
     return failure;
+  if (auto failure = keep_mesh(command, *shape, *object, warnings)) return failure;
   outcome.seconds.surface = outcome.report.surface_seconds + color_seconds + watch.lap();
   outcome.report.warnings.insert(outcome.report.warnings.begin(), warnings.begin(), warnings.end());
 
@@ -188,8 +204,9 @@ int run_convert(const ConvertCommand& command) {
   const Console console(command.common);
   ProgressBar bar(!console.quiet());
   Outcome outcome;
-  const std::optional<Failure> failure = is_repack(command) || is_restore(command) ? convert_assets(command, bar.progress(), outcome)
-                                                            : convert(command, bar.progress(), outcome);
+  const std::optional<Failure> failure = is_repack(command) || is_restore(command)
+                                             ? convert_assets(command, bar.progress(), outcome)
+                                             : convert(command, bar.progress(), outcome);
   bar.finish();
   const MeshDiagnosis& diagnosis = outcome.report.diagnosis;
   if (failure && diagnosis.triangles > 0)

@@ -21,12 +21,13 @@ namespace mesocell {
 void add_convert(CLI::App& app, ConvertCommand& command) {
   CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a mesh, heights, a shape or a tile");
   // The parser gives all words to the first option that takes several, so the output is the last of them.
-  sub->add_option("input... output", command.inputs,
-                  std::string("Input: a mesh, ") + kMeshExtensions +
-                      "; a volume; a picture, as heights; shape:NAME; or tile:RECIPE, to keep and show a tile with "
-                      "each of its cells once; or .meso files, whose "
-                      "assets are put into one file, FILE.meso#ASSET for one of them. Output: .meso; of an "
-                      "asset also other formats, see below")
+  sub->add_option(
+         "input... output", command.inputs,
+         std::string("Input: a mesh, ") + kMeshExtensions +
+             "; a volume; a picture, as heights; shape:NAME; or tile:RECIPE, to keep and show a tile with "
+             "each of its cells once; or .meso files, whose "
+             "assets are put into one file, FILE.meso#ASSET for one of them. Output: .meso; of an "
+             "asset also other formats, see below")
       ->required()
       ->option_text("FILES");
   CLI::Option* tiles =
@@ -69,6 +70,9 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
   sub->add_option("--color", command.color, "Recipe of the color; white if not given")->type_name("RECIPE");
   sub->add_flag("--normals", command.normals,
                 "Store smooth normals at the borders of the cells; of an export, write normals");
+  sub->add_flag("--keep-mesh", command.keep_mesh,
+                "Keep the mesh in the asset, compressed by Draco; positions are rounded, and the file says "
+                "by how much");
   sub->add_option("--meta", command.meta, "Free text to keep in the file; may be repeated")
       ->type_name("KEY=VALUE")
       ->expected(1)
@@ -77,7 +81,9 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
          "--codec", command.codec,
          "zstd, which makes files small, or raw, so that maps can be used in place from a memory map [zstd]")
       ->type_name("CODEC");
-  sub->add_option("--target-version", command.target_version, "Version of the format to write: 1.0 [1.0]")
+  sub->add_option("--target-version", command.target_version,
+                  "The newest version of the format to write: 1.0 or 1.1 [1.1]; files state the least that "
+                  "has all they hold")
       ->type_name("VERSION");
   sub->add_option("--as", command.as,
                   "What an asset becomes where its output's extension leaves a choice, see below")
@@ -117,8 +123,8 @@ void add_convert(CLI::App& app, ConvertCommand& command) {
       "these that "
       "suffices. `mesocell info MESH` tells what is amiss with a mesh.\n\nRecipes of tiles:\n" +
       tile_sources_help() + "\nRecipes of colors:\n" + color_sources_help() + "\nVolumes: " + kVolumeAxes +
-      "\n\nVolumes as shapes: " + volumes_help() + "\nHeights: " + heights_help() + "\nShapes:\n" + shapes_help() + "\nWhat an asset can become:\n" +
-      exports_help() +
+      "\n\nVolumes as shapes: " + volumes_help() + "\nHeights: " + heights_help() + "\nShapes:\n" +
+      shapes_help() + "\nWhat an asset can become:\n" + exports_help() +
       "\nBatch: several inputs, or @LIST, a file with one on each line, and a folder as the output, FOLDER/. "
       "Each "
       "becomes a file of its own name there, made by a process of its own. What is up to date is left: made "

@@ -36,6 +36,12 @@ struct SolidRow {
 constexpr std::array<SolidRow, 3> kSolids = {
     {{"nonzero", SolidRule::kNonzero}, {"even-odd", SolidRule::kEvenOdd}, {"outer", SolidRule::kOuter}}};
 
+struct VersionRow {
+  std::string_view name;
+  FormatVersion version;
+};
+constexpr std::array<VersionRow, 2> kVersions = {{{"1.0", {1, 0}}, {"1.1", {1, 1}}}};
+
 std::optional<Failure> parse_tile(const ConvertCommand& command, ConvertPlan& plan) {
   const std::optional<std::string> shown = tile_of_input(command.input);
   const std::string option = shown ? command.input : "--tile";
@@ -169,9 +175,14 @@ std::optional<Failure> parse_write_options(const ConvertCommand& command, WriteO
   if (codec != "zstd" && codec != "raw")
     return usage("--codec", "unknown choice '" + codec + "'; there are: zstd, raw");
   options.compress = codec == "zstd";
-  if (command.target_version && *command.target_version != "1.0")
-    return usage("--target-version",
-                 "there is no version '" + *command.target_version + "' that can be written; there are: 1.0");
+  if (command.target_version) {
+    const auto row = std::find_if(kVersions.begin(), kVersions.end(),
+                                  [&](const VersionRow& r) { return r.name == *command.target_version; });
+    if (row == kVersions.end())
+      return usage("--target-version", "there is no version '" + *command.target_version +
+                                           "' that can be written; there are: 1.0, 1.1");
+    options.version = row->version;
+  }
   std::map<std::string, std::string> merged;
   for (const std::string& entry : command.meta) {
     const std::size_t equals = entry.find('=');

@@ -272,7 +272,7 @@ Status check(const CellObject& object, const VdbExportOptions& options) {
     return Error{ErrorCode::kUsage, "labels are of all tiles, as an asset is; leave the range of tiles out"};
   if (options.tiles)
     for (std::size_t a = 0; a < 3; ++a)
-      if (options.tiles->low[a] >= options.tiles->high[a] || options.tiles->high[a] > object.grid.tiles[a])
+      if (options.tiles->begin[a] >= options.tiles->end[a] || options.tiles->end[a] > object.grid.tiles[a])
         return Error{ErrorCode::kUsage, "the range of tiles is empty or beyond the grid's " +
                                             std::to_string(object.grid.tiles[a]) + " along an axis"};
   if (!ObjectVoxels::fits(object))
@@ -289,8 +289,8 @@ Status export_vdb(const CellObject& object, const std::string& path, const VdbEx
   VoxelRange range{{0, 0, 0}, voxels.size()};
   if (options.tiles)
     for (std::size_t a = 0; a < 3; ++a) {
-      range.low[a] = std::int32_t(options.tiles->low[a] * object.tile.resolution[a]);
-      range.high[a] = std::int32_t(options.tiles->high[a] * object.tile.resolution[a]);
+      range.low[a] = std::int32_t(options.tiles->begin[a] * object.tile.resolution[a]);
+      range.high[a] = std::int32_t(options.tiles->end[a] * object.tile.resolution[a]);
     }
   const double edge = object.grid.voxel_edge;
   const Transform to_world =

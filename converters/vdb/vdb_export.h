@@ -9,6 +9,7 @@
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
+#include "sdk/surface/explicit_surface.h"
 
 namespace mesocell {
 
@@ -28,14 +29,9 @@ struct VdbKinds {
   bool colors = false;
 };
 
-/// Tiles [low, high) of a grid.
-struct TileRange {
-  Index3 low{}, high{};
-};
-
 struct VdbExportOptions {
   VdbKinds kinds = {};
-  std::optional<TileRange> tiles = std::nullopt;  ///< all if not set; what is beyond counts as empty. Not with labels
+  std::optional<TileBox> tiles = std::nullopt;  ///< all if not set; what is beyond counts as empty. Not with labels
   std::uint64_t max_voxels = std::uint64_t{1} << 27;  ///< in leaves, of each grid
   bool no_clobber = false;
   unsigned threads = 0;  ///< 0: the machine's; the file does not depend on it

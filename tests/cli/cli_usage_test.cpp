@@ -43,7 +43,7 @@ TEST_CASE("wrong usage ends with 2 and one message") {
                                              {"convert", "a.obj"},
                                              {"convert", "a.obj", "b.meso", "c.meso"},
                                              {"convert", "a.obj", "b.ply"},
-                                             {"convert", "a.meso", "b.obj"},
+                                             {"convert", "a.meso", "b.xyz"},
                                              {"convert", "a.obj", "b.meso", "--tiles"},
                                              {"info"},
                                              {"info", "a.meso", "b.meso"},

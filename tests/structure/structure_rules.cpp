@@ -70,7 +70,7 @@ struct ThirdParty {
   std::string_view where;
 };
 
-constexpr std::array<ThirdParty, 17> kThirdParties = {{
+constexpr std::array<ThirdParty, 16> kThirdParties = {{
     {"hwy/", "sdk/trace/packets.cpp sdk/trace/packet_ "},
     {"CGAL/", "sdk/membership/ sdk/wrap/ "},
     {"OpenMesh/", "converters/import/openmesh_reader.cpp "},
@@ -80,9 +80,12 @@ constexpr std::array<ThirdParty, 17> kThirdParties = {{
     {"nanovdb/", "converters/bench/peers/nanovdb_mask.cpp "},
     {"embree3/", "converters/bench/peers/embree_module.cpp "},
     {"tbb/", "converters/stability/methods/openvdb_module.cpp "},
-    {"CLI/", "converters/cli/command_line.cpp converters/cli/common_options.h converters/cli/convert_options. "},
+    {"CLI/",
+     "converters/cli/command_line.cpp converters/cli/common_options.h converters/cli/convert_options. "},
     {"draco/", "converters/export/draco_ converters/mesh_worker/draco_mesh.cpp "},
-    {"nlohmann/", "converters/cli/ converters/export/ converters/import/gltf_json.h converters/mesh_worker/gltf_library.cpp "},
+    {"nlohmann/",
+     "converters/cli/ converters/export/ converters/import/gltf_json.h "
+     "converters/mesh_worker/gltf_library.cpp "},
     {"tiny_gltf", "converters/mesh_worker/gltf_library.cpp converters/mesh_worker/gltf_accessor.h "},
     {"stb/", "converters/mesh_worker/texture_decoder.cpp "},
     {"zstd", "format/ "},

@@ -125,7 +125,7 @@ TEST_CASE("vdb export: distances are those to the nearest voxel's cube, by brute
     options.kinds.level_set = true;
     VoxelCoord low{0, 0, 0}, high{30, 20, 20};
     if (part) {
-      options.tiles = TileRange{{1, 0, 1}, {2, 2, 2}};
+      options.tiles = TileBox{{1, 0, 1}, {2, 2, 2}};
       low = {10, 0, 10};
       high = {20, 20, 20};
     }
@@ -201,10 +201,10 @@ TEST_CASE("vdb export: what cannot be written is refused") {
   VdbExportOptions options;
   CHECK(export_vdb(object, path, options).error().code == ErrorCode::kUsage);
   options.kinds.labels = true;
-  options.tiles = TileRange{{0, 0, 0}, {1, 1, 1}};
+  options.tiles = TileBox{{0, 0, 0}, {1, 1, 1}};
   CHECK(export_vdb(object, path, options).error().code == ErrorCode::kUsage);
   options.kinds = {.level_set = true};
-  options.tiles = TileRange{{0, 0, 0}, {1, 1, 100}};
+  options.tiles = TileBox{{0, 0, 0}, {1, 1, 100}};
   CHECK(export_vdb(object, path, options).error().code == ErrorCode::kUsage);
   options.tiles.reset();
   options.max_voxels = 5000;
