@@ -19,9 +19,10 @@ namespace fs = std::filesystem;
 constexpr const char* kRecordName = ".mesocell-batch.json";
 constexpr std::uint64_t kMaxListBytes = std::uint64_t{64} << 20;
 
+/// A folder that is named as an asset's file is taken for a mistake.
 bool is_folder(const std::string& path) {
   std::error_code error;
-  return path.ends_with('/') || fs::is_directory(path, error);
+  return path.ends_with('/') || (!has_extension(path, ".meso") && fs::is_directory(path, error));
 }
 
 std::optional<Failure> read_list(const std::string& path, std::vector<std::string>& inputs) {

@@ -10,6 +10,7 @@
 #include "converters/cli/shape_source.h"
 #include "format/container.h"
 #include "format/file.h"
+#include "format/representation.h"
 #include "format/text_chunk.h"
 
 namespace mesocell {
@@ -52,11 +53,20 @@ Result<std::vector<std::byte>> merged_text(const Container& container, std::size
   return encode_text({merged.begin(), merged.end()});
 }
 
+/// Whether a chunk is of a type that a newer version brought than the one to be written.
+bool is_newer(std::uint32_t representation, std::uint32_t chunk, const FormatVersion& version) {
+  const Representation* const rules = find_representation(representation);
+  return rules && rules->find(chunk, kFormatMinor) && !rules->find(chunk, version.minor);
+}
+
 /// Adds an asset that was read whole before, so its chunks are right.
 std::optional<Failure> add_asset(const Container& container, std::size_t asset, const std::string& name,
-                                 const Metadata& meta, const std::string& input, ContainerWriter& writer) {
-  writer.begin_asset(container.assets()[asset].representation, name);
+                                 const Metadata& meta, const std::string& input, const FormatVersion& version,
+                                 ContainerWriter& writer) {
+  const std::uint32_t representation = container.assets()[asset].representation;
+  writer.begin_asset(representation, name);
   for (const ChunkInfo& chunk : container.chunks_of(asset)) {
+    if (is_newer(representation, chunk.type, version)) continue;
     if (chunk.type == kTextChunk && !meta.empty()) continue;
     const Result<std::vector<std::byte>> bytes = container.read_chunk(asset, chunk.type);
     if (!bytes) return Failure{bytes.error(), input};
@@ -118,7 +128,7 @@ std::optional<Failure> repack(const ConvertCommand& command, const Progress& pro
     for (const std::size_t asset : source.assets) {
       const std::string& own = container->assets()[asset].name;
       const std::string name = count > 1 ? free_name(own, source.path.file, taken) : own;
-      if (auto failure = add_asset(*container, asset, name, meta, source.path.file, writer)) return failure;
+      if (auto failure = add_asset(*container, asset, name, meta, source.path.file, options.version, writer)) return failure;
       if (progress.cancelled()) return Failure{Error{ErrorCode::kCancelled, "interrupted"}, {}};
     }
   }

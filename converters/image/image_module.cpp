@@ -1,8 +1,10 @@
 #include "converters/image/image_module.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -10,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -383,6 +386,35 @@ void copy_message(const std::string& text, char* message, size_t message_bytes) 
   message[message_bytes - 1] = 0;
 }
 
+/// Keeps what libpng prints of a damaged file, whose error is reported as it should, off the terminal: the
+/// image library leaves it no other way. One at a time, as standard error is the whole process's.
+class Hush {
+ public:
+  Hush() : lock_(mutex()) {
+    std::fflush(stderr);
+    kept_ = dup(STDERR_FILENO);
+    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (kept_ >= 0 && nowhere >= 0) dup2(nowhere, STDERR_FILENO);
+    if (nowhere >= 0) close(nowhere);
+  }
+  Hush(const Hush&) = delete;
+  Hush& operator=(const Hush&) = delete;
+  ~Hush() {
+    std::fflush(stderr);
+    if (kept_ < 0) return;
+    dup2(kept_, STDERR_FILENO);
+    close(kept_);
+  }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+  std::lock_guard<std::mutex> lock_;
+  int kept_ = -1;
+};
+
 /// Runs `body` for a function of the C interface: it may throw, and leaves the error's text.
 template <typename Body>
 int guarded(char* message, size_t message_bytes, const Body& body) {
@@ -398,6 +430,10 @@ int guarded(char* message, size_t message_bytes, const Body& body) {
   }
   copy_message(error, message, message_bytes);
   return status;
+}
+
+std::unique_ptr<Hush> hush_for(std::string_view format) {
+  return format == "png" ? std::make_unique<Hush>() : nullptr;
 }
 
 }  // namespace
@@ -425,6 +461,7 @@ __attribute__((visibility("default"))) int mesocell_read_image(const char* path,
                                                                void* context, char* message,
                                                                size_t message_bytes) {
   return guarded(message, message_bytes, [&](std::string& error) {
+    const std::unique_ptr<Hush> hush = hush_for(format);
     return int(read({path, format, max_bytes, make_room, context}, error));
   });
 }
@@ -434,6 +471,7 @@ __attribute__((visibility("default"))) int mesocell_read_pages(const char* path,
                                                                const MesocellPageReader* reader,
                                                                char* message, size_t message_bytes) {
   return guarded(message, message_bytes, [&](std::string& error) {
+    const std::unique_ptr<Hush> hush = hush_for(format);
     return int(read_pages({path, format, page_count, max_bytes, reader}, error));
   });
 }

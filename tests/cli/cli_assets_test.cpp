@@ -126,7 +126,7 @@ TEST_CASE("raw files hold what compressed ones do, and rewriting gives the bytes
   REQUIRE(run_command({"convert", raw, back, "--target-version", "1.0"}).exit == 0);
   CHECK(bytes_of(back) == bytes_of(two.ball));
   CHECK(run_command({"convert", raw, back, "--codec", "gzip"}).exit == 2);
-  for (const char* version : {"0.9", "1.1", "2", ""})
+  for (const char* version : {"0.9", "1.2", "2", ""})
     CHECK(run_command({"convert", raw, back, "--target-version", version}).exit == 2);
   const Run unused = run_command({"convert", raw, back, "--tiles", "3"});
   CHECK(unused.exit == 0);

@@ -185,7 +185,7 @@ TEST_CASE("a tile that cannot be made is refused with the right exit code") {
     return run.err;
   };
   CHECK(refused("foam", 2).find(
-            "voronoi, spheres, ellipsoids, worley, bricks, mesh, labels, and files .meso") !=
+            "voronoi, spheres, ellipsoids, worley, bricks, mesh, labels, heights, and files .meso") !=
         std::string::npos);
   refused("mesh:resolution=16", 2);
   refused(mesh_tile(file, ",cells=3"), 2);

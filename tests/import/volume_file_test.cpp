@@ -325,7 +325,7 @@ TEST_CASE("volumes of others") {
   REQUIRE(perlin.ok());
   CHECK(perlin->voxels.size() == 128 * 128 * 128);
   CHECK(read_label_volume(path, options).ok());
-  CHECK(read_color_volume(*texture).error().code == ErrorCode::kInvalidInput);
+  CHECK(read_color_volume(*texture)->resolution == Index3{128, 128, 128});
   const Result<ColorMap> picture = read_color_volume(*heights), exr = read_color_volume(*linear);
   REQUIRE(picture.ok());
   REQUIRE(exr.ok());
