@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,7 +10,9 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -22,6 +25,9 @@
 
 namespace mesocell {
 namespace {
+
+/// In the environment of a batch's processes: the number of the batch's.
+constexpr const char* kParentVariable = "MESOCELL_BATCH_PROCESS";
 
 enum class Outcome { kNotBegun, kMade, kSkipped, kFailed };
 
@@ -226,6 +232,14 @@ nlohmann::ordered_json summary_json(const Batch& batch, const Counts& counts, do
 
 }  // namespace
 
+void end_with_batch() {
+  const char* const parent = std::getenv(kParentVariable);
+  if (!parent || !*parent) return;
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  // It may have ended before that.
+  if (std::to_string(getppid()) != parent) std::raise(SIGTERM);
+}
+
 int run_batch(const ConvertCommand& command) {
   const Console console(command.common);
   std::vector<BatchFile> files;
@@ -235,6 +249,7 @@ int run_batch(const ConvertCommand& command) {
   if (error)
     return console.fail(Error{ErrorCode::kOutput, "the folder cannot be made (" + error.message() + ")"},
                         command.output);
+  setenv(kParentVariable, std::to_string(getpid()).c_str(), 1);
   const auto start = std::chrono::steady_clock::now();
   ProgressBar bar(!console.quiet());
   Batch batch(command, std::move(files));

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdio>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -12,7 +13,8 @@
 namespace mesocell {
 namespace {
 
-constexpr std::string_view kImport = "image", kOwn = "mesh", kOwnGrid = "grid", kVolume = "volume", kOption = "--color";
+constexpr std::string_view kImport = "image", kOwn = "mesh", kOwnGrid = "grid", kVolume = "volume",
+                           kOption = "--color";
 
 /// What tells that a texture does not tile.
 void check_seams(const ColorMap& map, std::vector<Warning>& warnings) {
@@ -35,8 +37,8 @@ std::optional<Failure> read_colors_of_volume(const Recipe& recipe, const Progres
     return Failure{status.error(), option};
   const auto file = recipe.options.find("file"), grid = recipe.options.find("grid");
   if (file == recipe.options.end()) return usage(option, "a file is missing; write volume:file=NAME");
-  const auto read =
-      read_volume_colors(file->second, grid == recipe.options.end() ? std::string() : grid->second, &progress);
+  const auto read = read_volume_colors(
+      file->second, grid == recipe.options.end() ? std::string() : grid->second, &progress);
   if (!read) return Failure{read.error(), read.error().code == ErrorCode::kUsage ? option : file->second};
   colors = {};
   colors.instances = [volume = *read](const CellObject& object, unsigned threads, const Progress* bar) {
@@ -54,7 +56,10 @@ std::optional<Failure> make_sourced_colors(const Recipe& recipe, std::uint32_t c
   const std::string option(kOption);
   if (recipe.name == kVolume) return read_colors_of_volume(recipe, progress, colors);
   if (recipe.name == kOwn || recipe.name == kOwnGrid) {
-    if (const Status status = check_options(recipe, "color", {}); !status)
+    // The picture was read with the mesh, see texture_of_color().
+    constexpr std::array<std::string_view, 1> kMeshOptions = {"texture"};
+    const std::span options = std::span(kMeshOptions).first(recipe.name == kOwn ? 1 : 0);
+    if (const Status status = check_options(recipe, "color", options); !status)
       return Failure{status.error(), option};
     if (const Status status = shape.check_colors(); !status) return Failure{status.error(), option};
     colors = {};
@@ -88,9 +93,18 @@ std::optional<Failure> make_sourced_colors(const Recipe& recipe, std::uint32_t c
   return std::nullopt;
 }
 
+std::string texture_of_color(const std::optional<std::string>& color) {
+  if (!color) return {};
+  const Result<Recipe> recipe = parse_recipe(*color);
+  if (!recipe || recipe->name != kOwn) return {};
+  const auto texture = recipe->options.find("texture");
+  return texture == recipe->options.end() ? std::string() : texture->second;
+}
+
 std::string color_sources_help() {
   return color_recipes_help() +
-         "mesh   the mesh's own (of vertices, faces, materials and textures), one for each cell inside\n"
+         "mesh   the mesh's own (of vertices, faces, materials and textures), one for each cell inside;\n"
+         "    texture=skin.png: by its texture coordinates from this picture, instead of materials\n"
          "image:file=slices/   a picture, a folder of pictures or a TIFF of several, as a solid texture of "
          "the tile;\n"
          "    resolution=WxHxD is needed for .raw alone\n"

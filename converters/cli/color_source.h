@@ -19,6 +19,9 @@ namespace mesocell {
                                                          const ShapeSource& shape, const Progress& progress,
                                                          Colors& colors, std::vector<Warning>& warnings);
 
+/// The picture that --color mesh:texture=FILE names, which is read with the mesh; empty if there is none.
+[[nodiscard]] std::string texture_of_color(const std::optional<std::string>& color);
+
 /// Recipes and imports with their options, for help texts.
 [[nodiscard]] std::string color_sources_help();
 

@@ -199,6 +199,7 @@ std::string outcome_text(const Outcome& outcome, const std::string& output) {
 }  // namespace
 
 int run_convert(const ConvertCommand& command) {
+  end_with_batch();
   if (is_batch(command)) return run_batch(command);
   if (is_export(command)) return run_export(command);
   const Console console(command.common);

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "converters/cli/color_source.h"
 #include "converters/cli/height_source.h"
 #include "converters/cli/volume_source.h"
 #include "converters/image/input_file.h"
@@ -108,11 +109,13 @@ std::optional<Failure> make_generated(const std::string& input, std::unique_ptr<
   return std::nullopt;
 }
 
-std::optional<Failure> read_mesh(const std::string& input, const Progress& progress,
+std::optional<Failure> read_mesh(const ConvertCommand& command, const Progress& progress,
                                  std::unique_ptr<ShapeSource>& shape, std::vector<Warning>& warnings) {
   MeshReadReport report;
-  Result<PaintedMesh> mesh = read_painted_mesh(input, {}, &report, &progress);
-  if (!mesh) return Failure{mesh.error(), input};
+  MeshReadOptions options;
+  options.texture = texture_of_color(command.color);
+  Result<PaintedMesh> mesh = read_painted_mesh(command.input, options, &report, &progress);
+  if (!mesh) return Failure{mesh.error(), mesh.error().code == ErrorCode::kUsage ? "--color" : command.input};
   if (report.dropped_faces > 0)
     warnings.push_back(
         {"faces-dropped", std::to_string(report.dropped_faces) +
@@ -165,7 +168,7 @@ std::optional<Failure> read_shape(const ConvertCommand& command, const Progress&
     case Content::kVolume:
       return read_volume_shape(command, progress, shape, warnings);
     case Content::kMesh:
-      return read_mesh(input, progress, shape, warnings);
+      return read_mesh(command, progress, shape, warnings);
   }
   return std::nullopt;
 }

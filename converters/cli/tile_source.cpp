@@ -178,7 +178,9 @@ std::optional<Failure> take_saved(const TileSource& source, SourcedTile& tile) {
 }  // namespace
 
 Recipe without_folders(Recipe recipe) {
-  if (const auto file = recipe.options.find("file"); file != recipe.options.end()) {
+  for (const char* option : {"file", "texture"}) {
+    const auto file = recipe.options.find(option);
+    if (file == recipe.options.end()) continue;
     const std::filesystem::path path = file->second;
     file->second = (path.has_filename() ? path : path.parent_path()).filename().string();
   }

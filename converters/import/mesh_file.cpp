@@ -106,7 +106,8 @@ Result<PaintedMesh> read_by_worker(const MeshFormat& format, std::span<const std
 
 /// Reads a file that is checked in full before OpenMesh sees it.
 Result<PaintedMesh> read_plain(const MeshFormat& format, std::string_view bytes, const std::string& path,
-                               bool paint, const Progress* progress, MeshReadReport& found) {
+                               const MeshReadOptions& options, bool paint, const Progress* progress,
+                               MeshReadReport& found) {
   Result<PlainMesh> plain = format.plain(bytes, progress);
   if (!plain) return plain.error();
   found.polygons = plain->polygons;
@@ -115,7 +116,7 @@ Result<PaintedMesh> read_plain(const MeshFormat& format, std::string_view bytes,
   Result<LibraryMesh> library = read_with_openmesh(*plain, progress);
   if (!library) return library.error();
   plain->bytes = {};
-  if (paint)
+  if (paint && options.texture.empty())
     if (Status status = read_materials(path, *plain, found.warnings, progress); !status)
       return status.error();
   PaintedMesh painted;
@@ -138,10 +139,15 @@ Result<PaintedMesh> read(const std::string& path, const MeshReadOptions& options
   found.format = (*format)->name;
   found.file_bytes = bytes.size();
   Result<PaintedMesh> painted = (*format)->plain
-                                    ? read_plain(**format, bytes, path, paint, progress, found)
+                                    ? read_plain(**format, bytes, path, options, paint, progress, found)
                                     : read_by_worker(**format, *file, path, options, progress, found);
   if (!painted) return painted;
   if (Status status = check_mesh(painted->mesh, found.polygons, **format); !status) return status.error();
+  if (paint && !options.texture.empty())
+    if (Status status =
+            use_texture(options.texture, painted->mesh.triangles.size(), painted->paint, progress);
+        !status)
+      return status.error();
   found.vertex_colors = !painted->mesh.colors.empty();
   if (report) *report = std::move(found);
   return painted;

@@ -14,6 +14,9 @@ namespace mesocell {
 
 struct MeshReadOptions {
   std::uint64_t max_file_bytes = std::uint64_t{1} << 32;  ///< larger files are refused (kLimit)
+  /// A picture that colors the mesh by its texture coordinates, instead of its materials; empty: they do. Where
+  /// there are no coordinates it is kUsage. Only read_painted_mesh() looks at it.
+  std::string texture = {};
 };
 
 /// What was found in a mesh file.

@@ -155,4 +155,25 @@ Status read_materials(const std::string& path, PlainMesh& mesh, std::vector<Mesh
   return MaterialReader(path, mesh, warnings, progress).read();
 }
 
+Status use_texture(const std::string& picture, std::uint64_t triangles, SurfacePaint& paint,
+                   const Progress* progress) {
+  if (paint.uvs.empty() || paint.uvs.size() != triangles)
+    return Error{ErrorCode::kUsage,
+                 "the mesh has no texture coordinates, which say where in the picture a place is; "
+                 "unwrap it in a mesh editor"};
+  Result<TextureImage> image = read_texture(picture, progress);
+  if (!image) {
+    Error error = image.error();
+    error.message = "the picture " + picture + ": " + error.message;
+    return error;
+  }
+  paint.images.clear();
+  paint.images.push_back(std::move(*image));
+  PaintMaterial material;
+  material.texture = TextureUse{0, {}, {}};
+  paint.materials = {material};
+  paint.material_indices.assign(std::size_t(triangles), 0);
+  return {};
+}
+
 }  // namespace mesocell

@@ -17,4 +17,10 @@ namespace mesocell {
 [[nodiscard]] Status read_materials(const std::string& path, PlainMesh& mesh,
                                     std::vector<MeshWarning>& warnings, const Progress* progress);
 
+/// Colors a mesh of so many triangles by its texture coordinates in a picture, and no more by its materials.
+/// Untrusted input: safe. Errors: kUsage (it has none, with what to do), kUnreadable, kInvalidInput, kLimit,
+/// kCancelled.
+[[nodiscard]] Status use_texture(const std::string& picture, std::uint64_t triangles, SurfacePaint& paint,
+                                 const Progress* progress);
+
 }  // namespace mesocell

@@ -1,7 +1,10 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/cli/run_command.h"
@@ -152,4 +155,26 @@ TEST_CASE("an interrupted batch leaves whole files and begins there again") {
   CHECK(again.exit == 0);
   CHECK(again.json()["up_to_date"].get<int>() >= made);
   CHECK(again.json()["made"].get<int>() + again.json()["up_to_date"].get<int>() == 12);
+}
+
+TEST_CASE("a batch that is killed takes its processes with it") {
+  const TempFolder folder;
+  const std::string out = folder.file("out/");
+  RunOptions options;
+  options.signal_after = std::chrono::milliseconds(500);
+  options.signal = SIGKILL;
+  const Run run =
+      run_command({"convert", "shape:wavy:detail=8", "shape:knot:detail=8", out, "--tiles", "64"}, options);
+  CHECK(run.exit == -SIGKILL);
+  std::size_t left = 1;
+  for (int k = 0; k < 100 && left > 0; ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    left = 0;
+    for (const auto& process : std::filesystem::directory_iterator("/proc")) {
+      std::ifstream file(process.path() / "cmdline", std::ios::binary);
+      const std::string words{std::istreambuf_iterator<char>(file), {}};
+      left += words.find(folder.path()) != words.npos;
+    }
+  }
+  CHECK(left == 0);
 }
