@@ -198,6 +198,46 @@ TEST_CASE("a mesh that is not closed is repaired, and what was done is told and 
   CHECK(convert(open, "perhaps").exit == 2);
 }
 
+TEST_CASE("a picture colors a mesh by its texture coordinates, where the mesh names none") {
+  const TempFolder folder;
+  // The left half of the box looks into the left half of the picture, which is red, the right one into blue.
+  std::string box =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nvt 0 0.5\nvt 1 0.5\n";
+  for (const char* face : {"1 4 3 2", "5 6 7 8", "1 2 6 5", "2 3 7 6", "3 4 8 7", "4 1 5 8"}) {
+    box += "f";
+    for (const std::size_t k : {0, 2, 4, 6}) {
+      const int vertex = face[k] - '0';
+      box += " " + std::to_string(vertex) + "/" +
+             (vertex == 1 || vertex == 4 || vertex == 5 || vertex == 8 ? "1" : "2");
+    }
+    box += "\n";
+  }
+  const std::string mesh = folder.write("box.obj", box), asset = folder.file("box.meso");
+  const std::string picture = folder.write("skin.png", png_bytes({2, 1, 3, {255, 0, 0, 0, 0, 255}}));
+  const Run run =
+      run_command({"convert", mesh, asset, "--tiles", "6", "--tile", "voronoi:cells=8,resolution=8",
+                   "--color", "mesh:texture=" + picture, "--json"});
+  INFO(run.err);
+  REQUIRE(run.exit == 0);
+  CHECK(run.json()["metadata"]["color"] == "mesh:texture=skin.png");
+  const std::string ply = folder.file("out.ply");
+  REQUIRE(run_command({"convert", asset, ply}).exit == 0);
+  find_image_module();
+  REQUIRE(run_command({"render", asset, folder.file("c.png"), "--mode", "color", "--size", "40x30", "--eye",
+                       "0.5,0.5,4", "--look", "0.5,0.5,0"})
+              .exit == 0);
+  const Image image = read_picture(folder.file("c.png"));
+  const auto at = [&](std::uint32_t x, std::size_t channel) {
+    return image.pixels[(15 * image.width + x) * image.channels.size() + channel];
+  };
+  CHECK(at(14, 0) > at(14, 2));
+  CHECK(at(26, 2) > at(26, 0));
+  const std::string bare = folder.write("bare.obj", mesh_bytes(make_box({0, 0, 0}, {1, 1, 1}), "mesh.obj"));
+  CHECK(run_command({"convert", bare, asset, "--color", "mesh:texture=" + picture}).exit == 2);
+  CHECK(run_command({"convert", mesh, asset, "--color", "mesh:texture=" + folder.file("none.png")}).exit ==
+        3);
+}
+
 TEST_CASE("a glTF with a texture and an OBJ with materials give their colors to the cells") {
   const TempFolder folder;
   const std::string box =
