@@ -332,7 +332,7 @@ int usage_error(const CLI::App& app, const CLI::ParseError& error, int argc, cha
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
-  CLI::App app("Turn meshes into small, ray-traceable .meso files, and look at them.", "mesocell");
+  CLI::App app("Turn meshes, volumes and heights into small, ray-traceable .meso files, and look at them.", "mesocell");
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("mesocell ") + MESOCELL_VERSION + ", format meso " +
                                         std::to_string(kFormatMajor) + "." + std::to_string(kFormatMinor));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -67,7 +68,8 @@ std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertP
   if (!tile.color_recipe.empty()) object.metadata.emplace_back("color", tile.color_recipe);
   if (report.repair.rung != RepairRung::kNone)
     object.metadata.emplace_back("repair", repair_text(report.repair));
-  if (plan.author.solid != SolidRule::kNonzero) object.metadata.emplace_back("solid", *command.solid);
+  if (plan.author.solid != SolidRule::kNonzero && !shape.surface().triangles.empty())
+    object.metadata.emplace_back("solid", *command.solid);
   object.metadata.emplace_back("tile", tile.recipe);
   object.metadata.insert(object.metadata.end(), plan.metadata.begin(), plan.metadata.end());
   std::sort(object.metadata.begin(), object.metadata.end());
@@ -78,6 +80,21 @@ std::optional<Failure> add_surface(const ConvertCommand& command, const ConvertP
   object.normals = make_normal_map(object.tile, plan.author.threads, &progress);
   if (!object.normals) return Failure{Error{ErrorCode::kCancelled, "interrupted"}, {}};
   return std::nullopt;
+}
+
+/// Options of repair that were given though there is no mesh to be repaired; tiles have their own words.
+void find_unused_repair(const ConvertCommand& command, const ShapeSource& shape,
+                        std::vector<Warning>& warnings) {
+  if (!shape.surface().triangles.empty() || tile_of_input(command.input)) return;
+  for (const auto& [given, option] : std::initializer_list<std::pair<bool, const char*>>{
+           {command.repair.has_value(), "--repair"},
+           {command.solid.has_value(), "--solid"},
+           {command.stitch.has_value(), "--stitch"},
+           {command.thicken.has_value(), "--thicken"},
+           {command.wrap_alpha.has_value(), "--wrap-alpha"},
+           {command.wrap_offset.has_value(), "--wrap-offset"}})
+    if (given)
+      warnings.push_back({"option-unused", std::string(option) + " has no effect where there is no mesh"});
 }
 
 /// Keeps the mesh in the asset if that is wanted.
@@ -104,6 +121,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
   watch.lap();
   std::unique_ptr<ShapeSource> shape;
   if (auto failure = read_shape(command, progress, shape, warnings)) return failure;
+  find_unused_repair(command, *shape, warnings);
   outcome.seconds.read = watch.lap();
 
   SourcedTile tile;

@@ -19,7 +19,8 @@
 namespace mesocell {
 
 void add_convert(CLI::App& app, ConvertCommand& command) {
-  CLI::App* sub = app.add_subcommand("convert", "Make a .meso file from a mesh, heights, a shape or a tile");
+  CLI::App* sub = app.add_subcommand(
+      "convert", "Make assets of meshes, volumes, heights, shapes and tiles, and other formats of assets");
   // The parser gives all words to the first option that takes several, so the output is the last of them.
   sub->add_option(
          "input... output", command.inputs,

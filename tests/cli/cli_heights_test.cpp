@@ -107,6 +107,12 @@ TEST_CASE("mistakes with heights say what to do") {
                            out, "nodata=9");
   CHECK(flat.exit == 3);
   CHECK(flat.err.find("missing") != std::string::npos);
+  const Run repaired =
+      run_command({"convert", png, out, "--repair", "strict", "--thicken", "1", "--quiet", "--json"});
+  CHECK(repaired.exit == 2);  // by themselves these two contradict each other
+  const Run solid = run_command({"convert", png, out, "--solid", "outer"});
+  CHECK(solid.exit == 0);
+  CHECK(solid.err.find("--solid has no effect where there is no mesh") != std::string::npos);
   const Run unused = run_command({"convert", "shape:box", out, "--heights", "scale=1"});
   CHECK(unused.exit == 0);
   CHECK(unused.err.find("--heights has no effect") != std::string::npos);

@@ -32,7 +32,7 @@ TEST_CASE("every subcommand has a help text with an example") {
 TEST_CASE("the versions of library and format are told") {
   const Run run = run_command({"--version"});
   CHECK(run.exit == 0);
-  CHECK(run.out == "mesocell 0.11.0, format meso 1.1\n");
+  CHECK(run.out == "mesocell 0.12.0, format meso 1.1\n");
 }
 
 TEST_CASE("wrong usage ends with 2 and one message") {
