@@ -340,3 +340,75 @@ TEST_CASE("volumes of others") {
   CHECK(read_color_volume(*negative).error().code == ErrorCode::kLimit);
   CHECK(read_color_volume(*squared)->resolution == Index3{129, 129, 1});
 }
+
+namespace {
+
+/// A DirectDraw Surface of 8 bits a channel, gray or BGR.
+std::string dds_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t depth, bool gray) {
+  std::string bytes(128, '\0');
+  const auto put = [&](std::size_t at, std::uint32_t value) {
+    for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = char(value >> (8 * k));
+  };
+  bytes.replace(0, 4, "DDS ");
+  put(4, 124);
+  put(8, 0x801007);
+  put(12, height);
+  put(16, width);
+  put(24, depth);
+  put(76, 32);
+  put(80, gray ? 0x20000 : 0x40);
+  put(88, gray ? 8 : 24);
+  put(92, gray ? 0xff : 0xff0000);
+  put(96, gray ? 0 : 0xff00);
+  put(100, gray ? 0 : 0xff);
+  const std::size_t count = std::size_t{width} * height * depth * (gray ? 1 : 3);
+  for (std::size_t i = 0; i < count; ++i) bytes += char(i % 251);
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("a volume texture has its slices, rows from the top and colors as they are stored") {
+  const TempFolder folder;
+  const std::string path = folder.write("a.dds", dds_bytes(5, 4, 6, true));
+  const auto labels = read_label_volume(path);
+  REQUIRE(labels);
+  CHECK(labels->resolution == Index3{5, 4, 6});
+  // Voxel (1, 3, 2) is of the top row of the third slice.
+  CHECK(labels->labels[1 + 5 * (3 + 4 * 2)] == 1 + 5 * (0 + 4 * 2));
+  const auto values = read_scalar_volume(path);
+  REQUIRE(values);
+  CHECK(values->values[1 + 5 * (0 + 4 * 5)] == float(1 + 5 * (3 + 4 * 5)));
+  const auto colors = read_color_volume(folder.write("b.dds", dds_bytes(4, 4, 4, false)));
+  REQUIRE(colors);
+  CHECK(colors->voxels[4 * 3] == Rgb8{2, 1, 0});
+  CHECK(is_slice_stack(path));
+}
+
+TEST_CASE("a volume texture that is damaged or of another kind is refused") {
+  const TempFolder folder;
+  const std::string whole = dds_bytes(5, 4, 6, true);
+  const auto refused = [&](const std::string& bytes) {
+    const auto read = read_scalar_volume(folder.write("a.dds", bytes));
+    if (!read)
+      CHECK((read.error().code == ErrorCode::kInvalidInput || read.error().code == ErrorCode::kLimit));
+    return !read;
+  };
+  for (std::size_t bytes = 1; bytes < whole.size(); ++bytes)
+    if (!refused(whole.substr(0, bytes))) FAIL("a file cut off at " << bytes << " is read");
+  const auto with = [&](std::size_t at, std::uint32_t value) {
+    std::string bytes = whole;
+    for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = char(value >> (8 * k));
+    return bytes;
+  };
+  for (const std::size_t at : {12u, 16u, 24u}) {
+    CHECK(refused(with(at, 0)));
+    CHECK(refused(with(at, 0xffffffff)));
+    CHECK(refused(with(at, 0x10000)));
+  }
+  CHECK(refused(with(4, 123)));
+  CHECK(refused(with(80, 0x4).replace(84, 4, "DXT5")));
+  CHECK(refused(with(88, 7)));
+  CHECK(refused(with(92, 0x1ff)));
+  CHECK(refused(with(112, 0x200)));
+}
