@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "tests/cli/picture_scene.h"
 #include "tests/cli/run_command.h"
 #include "tests/import/mesh_bytes.h"
 #include "tests/support/catch.h"
@@ -18,6 +17,17 @@ Run convert(const std::string& input, const std::string& output, const std::vect
   words.insert(words.end(), more.begin(), more.end());
   return run_command(words);
 }
+
+/// A ball of few voxels, so that the sanitized command is done soon.
+struct Scene {
+  TempFolder folder;
+  std::string asset = folder.file("ball.meso");
+  explicit Scene(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {"--tiles", "6", "--tile", "voronoi:cells=4,resolution=8,seed=2"};
+    words.insert(words.end(), more.begin(), more.end());
+    REQUIRE(convert("shape:sphere:size=2", asset, words).exit == 0);
+  }
+};
 
 nlohmann::json info(const std::string& path) {
   const Run run = run_command({"info", path, "--json"});
