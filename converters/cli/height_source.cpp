@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <utility>
 
 #include "converters/import/height_file.h"
 #include "sdk/author/height_field.h"
+#include "sdk/core/number_text.h"
 #include "sdk/core/portable_math.h"
 #include "sdk/core/recipe.h"
 #include "sdk/surface/instance_colors.h"
@@ -17,12 +17,6 @@ namespace mesocell {
 namespace {
 
 constexpr const char* kOption = "--heights";
-
-std::string number(double x) {
-  std::array<char, 32> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), x);
-  return error == std::errc() ? std::string(text.data(), end) : std::string();
-}
 
 Result<std::optional<double>> optional_number(const Recipe& recipe, const std::string& name, double low) {
   if (!recipe.options.contains(name)) return std::optional<double>();
@@ -74,8 +68,8 @@ Result<HeightField> lay_field(HeightSamples samples, const HeightPlan& plan) {
       plan.floor.value_or(bottom - (top > bottom ? (top - bottom) / 10 : longest * field.spacing / 50));
   if (Status status = check_height_field(field); !status) return status.error();
   if (!(top > field.floor))
-    return Error{ErrorCode::kUsage, "the floor of " + number(field.floor) +
-                                        " m is not below the highest point, which is at " + number(top) +
+    return Error{ErrorCode::kUsage, "the floor of " + number_text(field.floor) +
+                                        " m is not below the highest point, which is at " + number_text(top) +
                                         " m; give a lower floor"};
   return field;
 }
@@ -84,16 +78,13 @@ std::string field_text(const HeightField& field, const HeightSamples& samples, c
   Recipe recipe;
   recipe.name = "heights";
   const double full = plan.scaled ? double(samples.full) : 1.0;
-  recipe.options = {{"as", plan.as_mesh ? "mesh" : "block"},
-                    {"channel", samples.channel},
-                    {"floor", number(field.floor)},
-                    {"scale", number(std::abs(field.scale) * full)},
-                    {"spacing", number(field.spacing)},
-                    {"up", plan.black_up ? "black" : "white"},
-                    {"values", plan.scaled ? "scaled" : "stored"},
-                    {"zero", number(field.zero / full)}};
-  if (plan.gamma) recipe.options["gamma"] = number(*plan.gamma);
-  if (plan.no_data) recipe.options["nodata"] = number(*plan.no_data);
+  recipe.options = {
+      {"as", plan.as_mesh ? "mesh" : "block"},       {"channel", samples.channel},
+      {"floor", number_text(field.floor)},           {"scale", number_text(std::abs(field.scale) * full)},
+      {"spacing", number_text(field.spacing)},       {"up", plan.black_up ? "black" : "white"},
+      {"values", plan.scaled ? "scaled" : "stored"}, {"zero", number_text(field.zero / full)}};
+  if (plan.gamma) recipe.options["gamma"] = number_text(*plan.gamma);
+  if (plan.no_data) recipe.options["nodata"] = number_text(*plan.no_data);
   return to_text(recipe);
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -15,6 +14,7 @@
 #include "converters/vdb/vdb_file.h"
 #include "converters/vdb/volume_shape.h"
 #include "format/utf8.h"
+#include "sdk/core/number_text.h"
 #include "sdk/surface/instance_colors.h"
 
 namespace mesocell {
@@ -72,11 +72,7 @@ class VolumeSource final : public ShapeSource {
 std::string source_text(const std::string& input, const std::string& grid, std::optional<double> iso) {
   Recipe recipe{"volume", {{"file", std::filesystem::path(input).filename().string()}}};
   if (!grid.empty()) recipe.options["grid"] = grid;
-  if (iso) {
-    char text[32];
-    const auto [end, status] = std::to_chars(text, text + sizeof text, *iso);
-    if (status == std::errc()) recipe.options["iso"] = std::string(text, end);
-  }
+  if (iso) recipe.options["iso"] = number_text(*iso);
   const std::string text = to_text(recipe);
   return is_utf8(text) ? text : "volume";
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -10,17 +9,12 @@
 #include "converters/image/extension.h"
 #include "converters/image/page_writer.h"
 #include "format/file.h"
+#include "sdk/core/number_text.h"
 #include "sdk/core/parallel.h"
 #include "sdk/trace/cell_object_caster.h"
 
 namespace mesocell {
 namespace {
-
-std::string number(double x) {
-  std::array<char, 32> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), x);
-  return error == std::errc() ? std::string(text.data(), end) : std::string();
-}
 
 /// Which way a picture lies: the axis of its columns and that of its rows, and whether they rise.
 struct Sheet {
@@ -94,7 +88,7 @@ Status write_height_map(const CellObject& object, const std::string& path, const
   out.height = height;
   out.spacing = (high[sheet.across] - low[sheet.across]) / width;
   for (const float h : heights) out.missing += std::isnan(h);
-  const std::string spacing = "spacing=" + number(out.spacing);
+  const std::string spacing = "spacing=" + number_text(out.spacing);
   PageStack stack{.width = width, .height = height, .pages = 1, .channels = {"Y"}};
   std::vector<std::uint16_t> levels;
   if (integers) {
@@ -104,8 +98,8 @@ Status write_height_map(const CellObject& object, const std::string& path, const
     stack.type = PageSampleType::kUint16;
     stack.samples = std::as_bytes(std::span(levels));
     out.heights =
-        "floor=0,nodata=0,scale=" + number(extent / 65534) + "," + spacing + ",values=stored,zero=1";
-    out.losses.push_back("heights were rounded to " + number(extent / 65534) + " m");
+        "floor=0,nodata=0,scale=" + number_text(extent / 65534) + "," + spacing + ",values=stored,zero=1";
+    out.losses.push_back("heights were rounded to " + number_text(extent / 65534) + " m");
   } else {
     stack.type = PageSampleType::kFloat;
     stack.samples = std::as_bytes(std::span(heights));

@@ -7,7 +7,6 @@
 
 #include "converters/image/extension.h"
 #include "converters/image/image_module_access.h"
-#include "format/file.h"
 
 namespace mesocell {
 namespace {
@@ -97,12 +96,6 @@ Result<std::vector<std::byte>> encode_pages(const std::string& path, const PageS
   if (bytes.empty())
     return Error{ErrorCode::kLimit, "there is not enough memory to write the pictures; make them smaller"};
   return bytes;
-}
-
-Status write_pages(const std::string& path, const PageStack& stack, bool no_clobber) {
-  const Result<std::vector<std::byte>> bytes = encode_pages(path, stack);
-  if (!bytes) return bytes.error();
-  return write_file(path, *bytes, no_clobber);
 }
 
 }  // namespace mesocell

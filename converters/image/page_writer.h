@@ -36,7 +36,4 @@ struct PageStack {
 /// The bytes of the file; the same pictures give the same ones. Errors: kUsage, kOutput, kLimit.
 [[nodiscard]] Result<std::vector<std::byte>> encode_pages(const std::string& path, const PageStack& stack);
 
-/// Writes the file through a temporary name. Errors: as encode_pages() and AtomicFile.
-[[nodiscard]] Status write_pages(const std::string& path, const PageStack& stack, bool no_clobber = false);
-
 }  // namespace mesocell

@@ -68,7 +68,6 @@ Result<HeightSamples> read_height_file(const std::string& path, const HeightRead
     return {};
   };
   if (Status status = read_pages(path, picture->format, 1, sink); !status) return status.error();
-  // Integers of fewer bits than a byte come as bytes of the full range.
   return out;
 }
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
 
+#include "sdk/core/number_text.h"
 #include "sdk/core/srgb.h"
 
 namespace mesocell {
@@ -19,12 +19,6 @@ constexpr double kSlack = 1e-12;
 /// By how much an interpolated value may leave the range of those it lies between, relative to them.
 double value_slack(const VolumeLookup::Range& range) {
   return 1e-12 * std::max(std::abs(range.low), std::abs(range.high));
-}
-
-std::string text_of(double value) {
-  char text[32];
-  const auto [end, status] = std::to_chars(text, text + sizeof text, value);
-  return status == std::errc() ? std::string(text, end) : std::string();
 }
 
 Error nothing_inside(const std::string& why) {
@@ -88,17 +82,17 @@ Result<std::unique_ptr<VolumeShape>> VolumeShape::make(SparseVolume volume, std:
     shape->iso_ = iso.value_or(0);
     if (background < *shape->iso_)
       return Error{ErrorCode::kInvalidInput,
-                   "all of space would be inside, as the level set's background is " + text_of(background) +
-                       "; use a lower --iso"};
+                   "all of space would be inside, as the level set's background is " +
+                       number_text(background) + "; use a lower --iso"};
   } else {
     const double most = greatest(v);
     shape->iso_ = iso.value_or(most / 2);
     if (most < *shape->iso_ || (!iso && most <= 0))
-      return nothing_inside("its greatest value is " + text_of(most) +
+      return nothing_inside("its greatest value is " + number_text(most) +
                             "; give the value of the surface by --iso");
     if (background >= *shape->iso_)
       return Error{ErrorCode::kInvalidInput, "all of space would be inside, as the volume's background is " +
-                                                 text_of(background) + "; use a greater --iso"};
+                                                 number_text(background) + "; use a greater --iso"};
   }
   if (v.type != VolumeType::kFloat && background != 0)
     return Error{ErrorCode::kInvalidInput,
