@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,6 +18,7 @@
 #include <thread>
 
 #include "converters/cli/batch_plan.h"
+#include "converters/cli/interrupt.h"
 #include "converters/cli/progress_bar.h"
 #include "converters/cli/representations.h"
 #include "converters/worker/child_process.h"
@@ -234,10 +234,7 @@ nlohmann::ordered_json summary_json(const Batch& batch, const Counts& counts, do
 
 void end_with_batch() {
   const char* const parent = std::getenv(kParentVariable);
-  if (!parent || !*parent) return;
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
-  // It may have ended before that.
-  if (std::to_string(getppid()) != parent) std::raise(SIGTERM);
+  if (parent && *parent) end_with_parent(std::strtol(parent, nullptr, 10));
 }
 
 int run_batch(const ConvertCommand& command) {

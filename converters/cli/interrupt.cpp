@@ -1,5 +1,6 @@
 #include "converters/cli/interrupt.h"
 
+#include <sys/prctl.h>
 #include <unistd.h>
 #include <csignal>
 
@@ -18,7 +19,19 @@ extern "C" void on_signal(int) {
   _exit(kExitInterrupted);
 }
 
+extern "C" void on_parent_death(int) {
+  remove_temporary_files();
+  _exit(kExitInterrupted);
+}
+
 }  // namespace
+
+void end_with_parent(long parent) {
+  std::signal(SIGUSR1, on_parent_death);
+  prctl(PR_SET_PDEATHSIG, SIGUSR1);
+  // It may have ended before that.
+  if (getppid() != parent) std::raise(SIGUSR1);
+}
 
 void install_signal_handlers() {
   struct sigaction action = {};
