@@ -1,8 +1,28 @@
 #include "format/cell_object.h"
 
+#include <algorithm>
 #include <bit>
+#include <cstring>
 
 namespace mesocell {
+
+const Rgb8* SurfaceColors::find(std::uint64_t tile, std::size_t v) const {
+  const std::uint32_t brick = entries[static_cast<std::size_t>(tile)];
+  if (brick == kNoBrick) return nullptr;
+  const std::uint8_t* mask = masks.data() + brick * mask_bytes();
+  if ((mask[v / 8] >> (v % 8) & 1) == 0) return nullptr;
+  std::size_t before = first[brick];
+  for (const std::uint8_t* const end = mask + v / 8; mask < end;) {
+    std::uint64_t eight = 0;
+    const auto n = std::min<std::size_t>(8, static_cast<std::size_t>(end - mask));
+    std::memcpy(&eight, mask, n);
+    before += static_cast<std::size_t>(std::popcount(eight));
+    mask += n;
+  }
+  const unsigned below = (1u << v % 8) - 1;
+  before += static_cast<std::size_t>(std::popcount(masks[brick * mask_bytes() + v / 8] & below));
+  return &colors[before];
+}
 
 InstanceCounts count_instances(const MembershipMap& membership) {
   InstanceCounts counts;

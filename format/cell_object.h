@@ -143,8 +143,41 @@ struct BasicMesh {
   bool operator==(const BasicMesh&) const = default;
 };
 
+/// Colors at the surface, finer than one an instance. A tile that has any has a *brick*, which divides the
+/// tile evenly into color voxels; a color voxel may have a color. A color stands for that of the instance,
+/// for all tile voxels whose centre is in its color voxel. [spec 4.11]
+struct SurfaceColors {
+  static constexpr std::uint32_t kNoBrick = 0xffffffff;
+  static constexpr std::uint32_t kMaxResolution = 32;
+
+  Index3 resolution{};  ///< color voxels of a tile along x, y, z; each 1…32 and at most the tile's
+  std::vector<std::uint32_t> entries;  ///< one a tile, x fastest: its brick, counted up, or kNoBrick
+  /// mask_bytes() a brick: bit v mod 8 of byte v / 8 is set where color voxel v, x fastest, has a color. At
+  /// least one is set.
+  std::vector<std::uint8_t> masks;
+  std::vector<std::uint32_t> first;  ///< one a brick: where its colors begin
+  std::vector<Rgb8> colors;          ///< by brick, then by color voxel
+  float max_error = 0.5f;            ///< see ColorList
+
+  [[nodiscard]] std::size_t voxels_per_brick() const {
+    return std::size_t{resolution[0]} * resolution[1] * resolution[2];
+  }
+  [[nodiscard]] std::size_t mask_bytes() const { return (voxels_per_brick() + 7) / 8; }
+  /// The color voxel, x fastest, of the tile voxel at `voxel` of a tile of `tile_resolution`.
+  [[nodiscard]] std::size_t color_voxel(const Index3& voxel, const Index3& tile_resolution) const {
+    const auto along = [&](std::size_t a) {
+      return std::size_t{(2 * voxel[a] + 1) * resolution[a] / (2 * tile_resolution[a])};
+    };
+    return along(0) + resolution[0] * (along(1) + resolution[1] * along(2));
+  }
+  /// The color of color voxel `v` of tile `tile`; null if it has none.
+  [[nodiscard]] const Rgb8* find(std::uint64_t tile, std::size_t v) const;
+  bool operator==(const SurfaceColors&) const = default;
+};
+
 /// A cell object: the union of its INSIDE cell instances. The color of a point is the product, in linear
-/// light, of its color in the tile, that of its cell and that of its instance.
+/// light, of its color in the tile, that of its cell and that of its instance or, where it has one, its
+/// surface color instead.
 struct CellObject {
   GridLayout grid;
   TileMap tile;
@@ -153,6 +186,7 @@ struct CellObject {
   std::optional<ColorList> cell_colors;  ///< one a cell; absent: white
   std::optional<ColorList>
       instance_colors;  ///< one an INSIDE instance, by home tile, then cell; absent: white
+  std::optional<SurfaceColors> surface_colors;  ///< absent: nowhere
   std::optional<NormalMap> normals;
   std::optional<BasicMesh> basic_mesh;
   /// Free text, UTF-8, ascending by key, keys unique.
