@@ -50,6 +50,7 @@ Json stated_errors(const CellObject& object) {
   if (object.color) errors["color"] = shortest(object.color->max_error);
   if (object.cell_colors) errors["cell_colors"] = shortest(object.cell_colors->max_error);
   if (object.instance_colors) errors["instance_colors"] = shortest(object.instance_colors->max_error);
+  if (object.surface_colors) errors["surface_colors"] = shortest(object.surface_colors->max_error);
   if (object.normals) errors["normals"] = shortest(object.normals->max_error_degrees);
   return errors;
 }
@@ -118,6 +119,9 @@ class CellObjectAsset final : public Asset {
     info["color_resolution"] = object_.color ? Json(object_.color->resolution) : Json(nullptr);
     info["cell_colors"] = object_.cell_colors ? object_.cell_colors->colors.size() : 0;
     info["instance_colors"] = object_.instance_colors ? object_.instance_colors->colors.size() : 0;
+    info["surface_color_resolution"] =
+        object_.surface_colors ? Json(object_.surface_colors->resolution) : Json(nullptr);
+    info["surface_colors"] = object_.surface_colors ? object_.surface_colors->colors.size() : 0;
     info["normals"] = object_.normals ? object_.normals->normals.size() : 0;
     info["max_error"] = stated_errors(object_);
     info["metadata"] = Json::object();
@@ -144,6 +148,7 @@ class CellObjectAsset final : public Asset {
     part("color", a.color == b.color);
     part("cell_colors", a.cell_colors == b.cell_colors);
     part("instance_colors", a.instance_colors == b.instance_colors);
+    part("surface_colors", a.surface_colors == b.surface_colors);
     part("normals", a.normals == b.normals);
     result["metadata_differing"] = metadata_differing(a, b);
     part("metadata", result["metadata_differing"].empty());
@@ -190,7 +195,7 @@ const char* cell_object_comparison_help() {
          "in "
          "number), voxels_differing (of the tile; null if the resolutions differ), box_distance (metres), "
          "metadata_differing [keys]; the parts are tiles, object_box, voxel_edge, tile, rule, tags, color, "
-         "cell_colors, instance_colors, normals, metadata";
+         "cell_colors, instance_colors, surface_colors, normals, metadata";
 }
 
 }  // namespace mesocell

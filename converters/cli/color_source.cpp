@@ -8,7 +8,6 @@
 
 #include "converters/cli/volume_source.h"
 #include "converters/import/volume_file.h"
-#include "sdk/surface/instance_colors.h"
 
 namespace mesocell {
 namespace {
@@ -29,10 +28,19 @@ void check_seams(const ColorMap& map, std::vector<Warning>& warnings) {
   warnings.push_back({"color-seam", text});
 }
 
-/// A color for each instance from a grid of a volume.
+/// How finely colors of the surface are wanted, if they are.
+std::optional<Failure> read_bake(const Recipe& recipe, Colors& colors) {
+  if (!recipe.options.contains("bake")) return std::nullopt;
+  const auto resolution = resolution_option(recipe, "bake", {}, 1, SurfaceColors::kMaxResolution);
+  if (!resolution) return Failure{resolution.error(), std::string(kOption)};
+  colors.surface_resolution = *resolution;
+  return std::nullopt;
+}
+
+/// Colors from a grid of a volume.
 std::optional<Failure> read_colors_of_volume(const Recipe& recipe, const Progress& progress, Colors& colors) {
   const std::string option(kOption);
-  constexpr std::array<std::string_view, 2> kOptions = {"file", "grid"};
+  constexpr std::array<std::string_view, 3> kOptions = {"bake", "file", "grid"};
   if (const Status status = check_options(recipe, "color", kOptions); !status)
     return Failure{status.error(), option};
   const auto file = recipe.options.find("file"), grid = recipe.options.find("grid");
@@ -41,11 +49,10 @@ std::optional<Failure> read_colors_of_volume(const Recipe& recipe, const Progres
       file->second, grid == recipe.options.end() ? std::string() : grid->second, &progress);
   if (!read) return Failure{read.error(), read.error().code == ErrorCode::kUsage ? option : file->second};
   colors = {};
-  colors.instances = [volume = *read](const CellObject& object, unsigned threads, const Progress* bar) {
-    return make_instance_colors(
-        object, [&](Vec3 at) { return volume->at(at); }, threads, bar);
+  colors.field = [volume = *read](const CellObject& object, unsigned, const Progress*) {
+    return Result<ColorField>(make_color_field(object.grid, [volume](Vec3 at) { return volume->at(at); }));
   };
-  return std::nullopt;
+  return read_bake(recipe, colors);
 }
 
 }  // namespace
@@ -57,16 +64,16 @@ std::optional<Failure> make_sourced_colors(const Recipe& recipe, std::uint32_t c
   if (recipe.name == kVolume) return read_colors_of_volume(recipe, progress, colors);
   if (recipe.name == kOwn || recipe.name == kOwnGrid) {
     // The picture was read with the mesh, see texture_of_color().
-    constexpr std::array<std::string_view, 1> kMeshOptions = {"texture"};
-    const std::span options = std::span(kMeshOptions).first(recipe.name == kOwn ? 1 : 0);
+    constexpr std::array<std::string_view, 2> kOwnOptions = {"bake", "texture"};
+    const std::span options = std::span(kOwnOptions).first(recipe.name == kOwn ? 2 : 1);
     if (const Status status = check_options(recipe, "color", options); !status)
       return Failure{status.error(), option};
     if (const Status status = shape.check_colors(); !status) return Failure{status.error(), option};
     colors = {};
-    colors.instances = [&shape](const CellObject& object, unsigned threads, const Progress* bar) {
-      return shape.instance_colors(object, threads, bar);
+    colors.field = [&shape](const CellObject& object, unsigned threads, const Progress* bar) {
+      return shape.color_field(object, threads, bar);
     };
-    return std::nullopt;
+    return read_bake(recipe, colors);
   }
   if (recipe.name != kImport) {
     Result<Colors> made = make_colors(recipe, cell_count);
@@ -109,7 +116,10 @@ std::string color_sources_help() {
          "the tile;\n"
          "    resolution=WxHxD is needed for .raw alone\n"
          "grid   of a .vdb as input the colors of its first grid of colors, one for each cell inside\n"
-         "volume:file=x.vdb,grid=Cd   the same of another file or grid; linear light\n";
+         "volume:file=x.vdb,grid=Cd   the same of another file or grid; linear light\n"
+         "    bake=8, with these three: beside that, colors of the surface, on so many color voxels along "
+         "an\n"
+         "    edge of each tile at it (1 to 32), where one color for each cell is too coarse\n";
 }
 
 }  // namespace mesocell

@@ -11,7 +11,6 @@
 #include "sdk/core/number_text.h"
 #include "sdk/core/portable_math.h"
 #include "sdk/core/recipe.h"
-#include "sdk/surface/instance_colors.h"
 
 namespace mesocell {
 namespace {

@@ -16,7 +16,6 @@
 #include "sdk/author/tile_sample.h"
 #include "sdk/core/recipe.h"
 #include "sdk/core/shapes.h"
-#include "sdk/surface/instance_colors.h"
 
 namespace mesocell {
 namespace {
@@ -37,9 +36,9 @@ class MeshShape final : public ShapeSource {
     if (mesh_.colors.empty() && paint_.empty()) return mesh_without_colors();
     return {};
   }
-  [[nodiscard]] Result<std::vector<Rgb8>> instance_colors(const CellObject& object, unsigned threads,
-                                                          const Progress* progress) const override {
-    return make_instance_colors(object, mesh_, paint_, threads, progress);
+  [[nodiscard]] Result<ColorField> color_field(const CellObject& object, unsigned threads,
+                                               const Progress*) const override {
+    return make_mesh_color_field(object.grid, mesh_, paint_, threads);
   }
 
  private:
@@ -90,9 +89,9 @@ class DescribedShape final : public ShapeSource {
   [[nodiscard]] const TriangleMesh& surface() const override { return shape_->surface(); }
   [[nodiscard]] Metadata metadata() const override { return metadata_; }
   [[nodiscard]] Status check_colors() const override { return shape_->check_colors(); }
-  [[nodiscard]] Result<std::vector<Rgb8>> instance_colors(const CellObject& object, unsigned threads,
-                                                          const Progress* progress) const override {
-    return shape_->instance_colors(object, threads, progress);
+  [[nodiscard]] Result<ColorField> color_field(const CellObject& object, unsigned threads,
+                                               const Progress* progress) const override {
+    return shape_->color_field(object, threads, progress);
   }
 
  private:
@@ -133,7 +132,7 @@ std::optional<std::string> tile_of_input(const std::string& input) {
   return input.substr(kTilePrefix.size());
 }
 
-Result<std::vector<Rgb8>> ShapeSource::instance_colors(const CellObject&, unsigned, const Progress*) const {
+Result<ColorField> ShapeSource::color_field(const CellObject&, unsigned, const Progress*) const {
   return mesh_without_colors();
 }
 

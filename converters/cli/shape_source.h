@@ -12,6 +12,7 @@
 #include "sdk/author/cell_object.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
+#include "sdk/surface/color_field.h"
 
 namespace mesocell {
 
@@ -27,12 +28,12 @@ class ShapeSource {
   [[nodiscard]] virtual const TriangleMesh& surface() const = 0;
   /// What the asset's metadata says of it, beside how it was filled. See is_shape_key().
   [[nodiscard]] virtual Metadata metadata() const { return {}; }
-  /// Whether instance_colors() is in vain, as far as can be told before the work. Errors: kUsage.
+  /// Whether color_field() is in vain, as far as can be told before the work. Errors: kUsage.
   [[nodiscard]] virtual Status check_colors() const { return {}; }
-  /// The shape's own colors of the INSIDE instances of an object that it filled, in the order of
-  /// CellObject::instance_colors. Errors: kUsage (it has no colors), those of make_instance_colors().
-  [[nodiscard]] virtual Result<std::vector<Rgb8>> instance_colors(const CellObject& object, unsigned threads,
-                                                                  const Progress* progress) const;
+  /// The shape's own colors in an object that it filled; the shape must outlive them. Errors: kUsage (it has no
+  /// colors), those of reading them.
+  [[nodiscard]] virtual Result<ColorField> color_field(const CellObject& object, unsigned threads,
+                                                       const Progress* progress) const;
 };
 
 /// A mesh as a shape, and what the metadata says of it.

@@ -15,7 +15,6 @@
 #include "converters/vdb/volume_shape.h"
 #include "format/utf8.h"
 #include "sdk/core/number_text.h"
-#include "sdk/surface/instance_colors.h"
 
 namespace mesocell {
 namespace {
@@ -53,12 +52,11 @@ class VolumeSource final : public ShapeSource {
                    "the volume has no grid of colors (vec3s or vec3d); choose another color"};
     return {};
   }
-  [[nodiscard]] Result<std::vector<Rgb8>> instance_colors(const CellObject& object, unsigned threads,
-                                                          const Progress* progress) const override {
+  [[nodiscard]] Result<ColorField> color_field(const CellObject& object, unsigned,
+                                               const Progress* progress) const override {
     const auto colors = read_volume_colors(path_, {}, progress);
     if (!colors) return colors.error();
-    return make_instance_colors(
-        object, [&](Vec3 at) { return (*colors)->at(at); }, threads, progress);
+    return make_color_field(object.grid, [volume = *colors](Vec3 at) { return volume->at(at); });
   }
 
  private:

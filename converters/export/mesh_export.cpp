@@ -75,6 +75,8 @@ Status write_instances(const CellObject& object, const std::string& path, const 
   if (options.colors && object.instance_colors)
     report.losses.push_back(
         "colors of single instances are in an attribute, _COLOR_0, which few readers know");
+  if (options.colors && object.surface_colors)
+    report.losses.push_back("colors of the surface are not written with instances");
   if (options.colors && object.color)
     report.losses.push_back("the color map of the tile is not written with instances");
   GltfOptions gltf;
@@ -114,7 +116,8 @@ Status write_mesh_export(const CellObject& object, const std::string& path, cons
   SurfaceOptions wanted;
   wanted.tiles = options.tiles;
   wanted.max_faces = options.max_faces;
-  wanted.colors = options.colors && (object.color || object.cell_colors || object.instance_colors);
+  wanted.colors = options.colors &&
+                  (object.color || object.cell_colors || object.instance_colors || object.surface_colors);
   wanted.normals = options.normals;
   wanted.threads = options.threads;
   const Result<ExplicitSurface> surface = make_explicit_surface(object, wanted, progress);

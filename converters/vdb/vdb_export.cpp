@@ -352,7 +352,8 @@ Status export_vdb(const CellObject& object, const std::string& path, const VdbEx
   std::error_code ignored;
   report->bytes = std::filesystem::file_size(path, ignored);
   if (!options.kinds.labels) report->losses.emplace_back("which cells there are, and tags");
-  if (!options.kinds.colors && (object.color || object.cell_colors || object.instance_colors))
+  if (!options.kinds.colors &&
+      (object.color || object.cell_colors || object.instance_colors || object.surface_colors))
     report->losses.emplace_back("colors");
   if (object.normals) report->losses.emplace_back("normals");
   if (!object.metadata.empty()) report->losses.emplace_back("metadata");

@@ -6,7 +6,9 @@
 #include <cstdlib>
 
 #include "sdk/core/rng.h"
+#include "sdk/surface/instance_colors.h"
 #include "sdk/surface/noise.h"
+#include "sdk/surface/surface_colors.h"
 
 namespace mesocell {
 namespace {
@@ -111,14 +113,23 @@ Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count) {
 
 Status apply_colors(Colors colors, CellObject& object, unsigned threads, const Progress* progress) {
   std::optional<ColorList> instances;
-  if (colors.instances) {
-    Result<std::vector<Rgb8>> made = colors.instances(object, threads, progress);
+  std::optional<SurfaceColors> surface;
+  if (colors.field) {
+    const Result<ColorField> field = colors.field(object, threads, progress);
+    if (!field) return field.error();
+    Result<std::vector<Rgb8>> made = make_instance_colors(object, *field, threads, progress);
     if (!made) return made.error();
     instances = ColorList{std::move(*made)};
+    if (colors.surface_resolution) {
+      auto baked = make_surface_colors(object, *field, *colors.surface_resolution, threads, progress);
+      if (!baked) return baked.error();
+      surface = std::move(*baked);
+    }
   }
   object.color = std::move(colors.map);
   object.cell_colors = std::move(colors.cells);
   object.instance_colors = std::move(instances);
+  object.surface_colors = std::move(surface);
   return {};
 }
 

@@ -11,17 +11,19 @@
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/recipe.h"
+#include "sdk/surface/color_field.h"
 
 namespace mesocell MESOCELL_API {
 
-/// The colors of a cell object: a solid texture of the tile, a color for each cell, or one for each INSIDE
-/// instance, which is found once the object is there.
+/// The colors of a cell object: a solid texture of the tile, a color for each cell, or colors that are
+/// defined in space, for each INSIDE instance and for the surface, which are found once the object is there.
 struct Colors {
   std::optional<ColorMap> map;
   std::optional<ColorList> cells;
-  /// From the finished object, in the order of CellObject::instance_colors: make_instance_colors(), say.
-  std::function<Result<std::vector<Rgb8>>(const CellObject&, unsigned threads, const Progress*)> instances =
-      {};
+  /// From the finished object: make_mesh_color_field(), say.
+  std::function<Result<ColorField>(const CellObject&, unsigned threads, const Progress*)> field = {};
+  /// Color voxels of a tile for colors of the surface, see make_surface_colors(); absent: instances alone.
+  std::optional<Index3> surface_resolution = {};
 };
 
 /// Makes the colors of a recipe: `marble`, `wood` or `stone` (solid textures that tile without a seam;
@@ -30,7 +32,8 @@ struct Colors {
 [[nodiscard]] Result<Colors> make_colors(const Recipe& recipe, std::uint32_t cell_count);
 
 /// Gives a finished cell object its colors, in place of any that it has. `threads`: 0 for the machine's.
-/// Errors: those of colors.instances; the object is as it was then.
+/// Errors: those of colors.field, make_instance_colors() and
+/// make_surface_colors(); the object is as it was then.
 [[nodiscard]] Status apply_colors(Colors colors, CellObject& object, unsigned threads = 0,
                                   const Progress* progress = nullptr);
 

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "format/limits.h"
-#include "sdk/core/closest_point.h"
 #include "sdk/core/parallel.h"
 #include "sdk/core/srgb.h"
 
@@ -16,9 +15,6 @@ namespace {
 
 /// Tiles that are colored in one go.
 constexpr std::uint64_t kBlock = 64;
-
-/// Beyond this, squares of distances lose what tells triangles apart.
-constexpr double kMaxVoxelCoordinate = 0x1p40;
 
 /// The centre of each cell, in voxels from the corner of its instance's home tile; [0] is not used.
 std::vector<Vec3> cell_centres(const TileMap& tile) {
@@ -54,9 +50,10 @@ std::uint64_t count_inside(const MembershipMap& membership, std::uint64_t tile) 
   return count;
 }
 
-/// Colors of the INSIDE instances by their centres, in voxels of the grid.
-Result<std::vector<Rgb8>> color_centres(const CellObject& object, const std::function<Rgb8(Vec3)>& color_at,
-                                        unsigned threads, const Progress* progress) {
+}  // namespace
+
+Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const ColorField& field,
+                                               unsigned threads, const Progress* progress) {
   const MembershipMap& membership = object.membership;
   const Index3& tiles = object.grid.tiles;
   const std::uint64_t tile_count = object.grid.tile_count();
@@ -87,7 +84,8 @@ Result<std::vector<Rgb8>> color_centres(const CellObject& object, const std::fun
           for (std::size_t a = 0; a < 3; ++a)
             corner[a] = double(std::uint64_t{at[a]} * object.tile.resolution[a]);
           for (std::uint32_t c = 1; c <= membership.cell_count; ++c)
-            if (membership.tag(t, c) == Tag::kInside) colors[next++] = color_at(corner + centres[c]);
+            if (membership.tag(t, c) == Tag::kInside)
+              colors[next++] = linear_to_srgb8(field(corner + centres[c]));
         }
       },
       progress, "colors");
@@ -95,54 +93,19 @@ Result<std::vector<Rgb8>> color_centres(const CellObject& object, const std::fun
   return colors;
 }
 
-}  // namespace
-
-Error mesh_without_colors() {
-  return {ErrorCode::kUsage,
-          "the mesh has no colors at its vertices or faces, nor materials, to take over; paint it in a mesh "
-          "editor and save it as PLY, OBJ, COFF or glTF with them, or choose another color"};
-}
-
-Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const TriangleMesh& mesh,
-                                               unsigned threads, const Progress* progress) {
-  return make_instance_colors(object, mesh, SurfacePaint{}, threads, progress);
-}
-
 Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const TriangleMesh& mesh,
                                                const SurfacePaint& paint, unsigned threads,
                                                const Progress* progress) {
   if (mesh.colors.empty() && paint.empty()) return mesh_without_colors();
   if (count_instances(object.membership).inside == 0) return std::vector<Rgb8>();
-  // In voxels, so that neither the size of the mesh nor its distance from the origin costs precision.
-  TriangleMesh voxel_mesh;
-  voxel_mesh.triangles = mesh.triangles;
-  voxel_mesh.vertices.reserve(mesh.vertices.size());
-  for (const Vec3& v : mesh.vertices)
-    voxel_mesh.vertices.push_back((v - to_vec3(object.grid.box_min)) / object.grid.voxel_edge);
-  const Box3 box = bounding_box(voxel_mesh);
-  for (std::size_t a = 0; a < 3; ++a)
-    if (!(box.min[a] > -kMaxVoxelCoordinate && box.max[a] < kMaxVoxelCoordinate && box.min[a] <= box.max[a]))
-      return Error{
-          ErrorCode::kInvalidInput,
-          "the mesh whose colors are wanted has no triangles, or reaches more than 2^40 voxels beyond "
-          "the grid; take the one that the object was made from"};
-  const ClosestPoint surface(voxel_mesh, threads);
-  voxel_mesh = {};
-  const PaintSampler sampler(mesh, paint, threads);
-  const auto color_at = [&](Vec3 centre) {
-    const SurfacePoint nearest = surface.query(centre);
-    return linear_to_srgb8(sampler.color(nearest.triangle, nearest.barycentric));
-  };
-  return color_centres(object, color_at, threads, progress);
+  const Result<ColorField> field = make_mesh_color_field(object.grid, mesh, paint, threads);
+  if (!field) return field.error();
+  return make_instance_colors(object, *field, threads, progress);
 }
 
-Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object,
-                                               const std::function<Rgb8(Vec3)>& color_at, unsigned threads,
-                                               const Progress* progress) {
-  const Vec3 corner = to_vec3(object.grid.box_min);
-  return color_centres(
-      object, [&](Vec3 centre) { return color_at(corner + centre * object.grid.voxel_edge); }, threads,
-      progress);
+Result<std::vector<Rgb8>> make_instance_colors(const CellObject& object, const TriangleMesh& mesh,
+                                               unsigned threads, const Progress* progress) {
+  return make_instance_colors(object, mesh, SurfacePaint{}, threads, progress);
 }
 
 }  // namespace mesocell

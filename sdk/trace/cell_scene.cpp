@@ -33,6 +33,7 @@ CellScene::CellScene(const CellObject& object)
   if (object.color) color_ = *object.color;
   if (object.cell_colors) cell_colors_ = object.cell_colors->colors;
   if (object.instance_colors) instance_colors_ = object.instance_colors->colors;
+  if (object.surface_colors) surface_colors_ = *object.surface_colors;
   if (!instance_colors_.empty()) {
     membership_ = object.membership;
     std::uint64_t count = 0;
@@ -97,7 +98,8 @@ std::uint64_t CellScene::memory_bytes() const {
   return sizeof(*this) + blocks_.memory_bytes() + inside_.memory_bytes() + bytes(pieces_) + bytes(labels_) +
          bytes(tile_records_) + bytes(parts_) + bytes(occupied_parts_) + bytes(solid_reach_) +
          bytes(color_.voxels) + bytes(cell_colors_) + bytes(instance_colors_) + bytes(first_instance_) +
-         bytes(membership_.entries) + bytes(membership_.blocks);
+         bytes(membership_.entries) + bytes(membership_.blocks) + bytes(surface_colors_.entries) +
+         bytes(surface_colors_.masks) + bytes(surface_colors_.first) + bytes(surface_colors_.colors);
 }
 
 bool CellScene::packets(PacketScene& out) const {
@@ -287,10 +289,18 @@ bool CellScene::inside_point(Vec3 point) const {
   return inside(v);
 }
 
+const Rgb8* CellScene::surface_color(const Voxel& v) const {
+  if (surface_colors_.colors.empty()) return nullptr;
+  const Voxel tile = tile_of(v);
+  return surface_colors_.find(tile_index(tile), surface_colors_.color_voxel(in_tile(v, tile), resolution_));
+}
+
 Vec3 CellScene::color(const Hit& hit, Vec3 point) const {
   Vec3 color{1, 1, 1};
   if (!cell_colors_.empty()) color = srgb_to_linear(cell_colors_[hit.label - 1]);
-  if (!instance_colors_.empty()) {
+  if (const Rgb8* const baked = surface_color(hit.element)) {
+    color = times(color, srgb_to_linear(*baked));
+  } else if (!instance_colors_.empty()) {
     const std::uint64_t home = std::uint64_t(hit.instance);
     std::uint64_t i = first_instance_[home];
     for (std::uint32_t c = 1; c < hit.label; ++c) i += membership_.tag(home, c) == Tag::kInside;

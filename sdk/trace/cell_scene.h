@@ -73,6 +73,8 @@ class CellScene {
   [[nodiscard]] Vec3 shading_normal(const Hit& hit) const;
 
  private:
+  /// The surface color of a voxel of the grid; null if it has none.
+  [[nodiscard]] const Rgb8* surface_color(const Voxel& v) const;
   /// Fills label and instance of a hit from its element.
   void set_instance(Hit& hit) const;
   void find_empty_tiles(const Index3& tiles);
@@ -117,6 +119,7 @@ class CellScene {
   std::vector<std::uint8_t> solid_reach_;
   ColorMap color_;  ///< no voxels: white
   std::vector<Rgb8> cell_colors_, instance_colors_;
+  SurfaceColors surface_colors_;  ///< no colors: nowhere
   /// For each tile, how many INSIDE instances have homes before it; only where instances have colors.
   std::vector<std::uint64_t> first_instance_;
   MembershipMap membership_;  ///< only where instances have colors

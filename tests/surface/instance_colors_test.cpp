@@ -245,8 +245,9 @@ TEST_CASE("colors of instances come in place of others, and not if they cannot b
   TriangleMesh sphere = make_sphere({0, 0, 0}, 1, 20);
   color_by_place(sphere);
   Colors own;
-  own.instances = [&](const CellObject& object, unsigned threads, const Progress* progress) {
-    return make_instance_colors(object, sphere, threads, progress);
+  const SurfacePaint unpainted;
+  own.field = [&](const CellObject& o, unsigned threads, const Progress*) {
+    return make_mesh_color_field(o.grid, sphere, unpainted, threads);
   };
   CellObject object = author(sphere, "voronoi:cells=8,resolution=8,seed=1", 6);
   object.cell_colors.emplace().colors.assign(8, {1, 2, 3});
