@@ -3,8 +3,6 @@
 #include <cstdint>
 #include <string>
 
-#include "converters/vdb/object_metadata.h"
-#include "converters/vdb/sparse_volume.h"
 #include "converters/vdb/vdb_file.h"
 #include "format/cell_object.h"
 #include "format/result.h"
@@ -21,11 +19,5 @@ namespace mesocell {
 /// contradict each other), kLimit (a tile of more than 2^28 voxels), kCancelled.
 [[nodiscard]] Result<CellObject> read_vdb_object(const std::string& path, const VdbReadOptions& options = {},
                                                  unsigned threads = 0, const Progress* progress = nullptr);
-
-/// The same from its grids.
-/// - `tile`: of whole numbers, with the metadata; `home`: of three; `membership`: of whole numbers
-[[nodiscard]] Result<CellObject> assemble_object(const SparseVolume& tile, const SparseVolume& home,
-                                                 const SparseVolume& membership, unsigned threads = 0,
-                                                 const Progress* progress = nullptr);
 
 }  // namespace mesocell

@@ -5,7 +5,7 @@
 #include "converters/vdb/object_metadata.h"
 #include "converters/vdb/scan_file.h"
 #include "converters/vdb/sparse_volume.h"
-#include "converters/vdb/vdb_object.h"
+#include "converters/vdb/assemble_object.h"
 #include "converters/vdb/volume_shape.h"
 #include "format/cell_object_io.h"
 #include "tests/fuzz/fuzz.h"

@@ -1,3 +1,4 @@
+#include "converters/vdb/assemble_object.h"
 #include "converters/vdb/vdb_export.h"
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "converters/vdb/assemble_object.h"
 #include "converters/vdb/object_voxels.h"
 #include "converters/vdb/vdb_object.h"
 #include "converters/vdb/volume_lookup.h"
