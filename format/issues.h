@@ -113,6 +113,12 @@ enum class IssueId : std::uint8_t {
   kMeshEncoding,
   kMeshBytes,
   kMeshCounts,
+  kScolResolution,
+  kScolBrickCount,
+  kScolColorCount,
+  kScolRank,
+  kScolEmptyBrick,
+  kScolUnusedBits,
   kLimitExceeded,
   kCount,
 };
