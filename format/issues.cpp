@@ -205,10 +205,10 @@ const IssueInfo& issue_info(IssueId id) {
 
 std::string issue_catalogue_markdown() {
   std::string text =
-      "# Issues of Mesocell 1.0\n\n"
+      "# Issues of Mesocell 1.0 and 1.1\n\n"
       "What a validator reports of a `.meso` file, made from the catalogue in `format/issues.cpp`; a test "
       "fails if\n"
-      "the two differ. *Clause* is the section of `mesocell-1.0.md`. A file is valid if it has no issue of "
+      "the two differ. *Clause* is the section of `mesocell-1.md`. A file is valid if it has no issue of "
       "severity\n"
       "error. Every message adds what was found where.\n\n"
       "| Id | Severity | Clause | Text |\n|---|---|---|---|\n";

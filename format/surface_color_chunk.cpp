@@ -84,7 +84,6 @@ bool check_bricks(const ChunkPayload& chunk, const Layout& layout, std::uint64_t
     add_issue(sink, IssueId::kScolUnusedBits, chunk, layout.bricks_end - 1, "after the last tile");
   check_payload_zeros(chunk, layout.bricks_end, layout.ranks_at, IssueId::kPayloadPadding, sink);
   check_payload_zeros(chunk, layout.ranks_end, layout.masks_at, IssueId::kPayloadPadding, sink);
-  check_payload_zeros(chunk, layout.masks_end, layout.colors_at, IssueId::kPayloadPadding, sink);
   std::uint64_t bricks = 0;
   for (const std::byte b : bits) bricks += static_cast<unsigned>(std::popcount(std::to_integer<unsigned>(b)));
   bricks -= static_cast<unsigned>(std::popcount(after));
@@ -98,6 +97,7 @@ bool check_bricks(const ChunkPayload& chunk, const Layout& layout, std::uint64_t
 void check_masks(const ChunkPayload& chunk, const Layout& layout, SurfaceColors& map,
                  std::uint32_t color_count, IssueSink& sink) {
   const std::size_t mask_bytes = map.mask_bytes(), used_in_last = (map.voxels_per_brick() - 1) % 8 + 1;
+  check_payload_zeros(chunk, layout.masks_end, layout.colors_at, IssueId::kPayloadPadding, sink);
   std::uint64_t colors = 0;
   for (std::size_t brick = 0; brick < map.first.size() && !sink.stopped(); ++brick) {
     const auto mask = std::span(map.masks).subspan(brick * mask_bytes, mask_bytes);

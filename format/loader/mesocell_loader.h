@@ -2,7 +2,7 @@
 #define MESOCELL_LOADER_H
 
 /* The compact reference loader of .meso files, versions 1.0 and 1.1: this header, mesocell_loader.cpp and
- * zstd are all that an engine needs. It is written in the order of spec/mesocell-1.0.md, in C++17 without
+ * zstd are all that an engine needs. It is written in the order of spec/mesocell-1.md, in C++17 without
  * exceptions and RTTI, is callable from C, and accepts exactly the assets that the spec calls valid.
  *
  * Untrusted input: safe. Nothing is read outside the file or written outside the arena; sizes are checked
