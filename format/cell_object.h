@@ -11,7 +11,7 @@
 
 #include "format/api.h"
 
-/// The maps of a cell object as they stand in memory. Their bytes are described in spec/mesocell-1.0.md.
+/// The maps of a cell object as they stand in memory. Their bytes are described in spec/mesocell-1.md.
 namespace mesocell MESOCELL_API {
 
 using Index3 = std::array<std::uint32_t, 3>;
@@ -151,7 +151,8 @@ struct SurfaceColors {
   static constexpr std::uint32_t kMaxResolution = 32;
 
   Index3 resolution{};  ///< color voxels of a tile along x, y, z; each 1…32 and at most the tile's
-  std::vector<std::uint32_t> entries;  ///< one a tile, x fastest: its brick, counted up, or kNoBrick
+  /// One a tile, x fastest: its brick, counted up, or kNoBrick. At least one tile has a brick.
+  std::vector<std::uint32_t> entries;
   /// mask_bytes() a brick: bit v mod 8 of byte v / 8 is set where color voxel v, x fastest, has a color. At
   /// least one is set.
   std::vector<std::uint8_t> masks;

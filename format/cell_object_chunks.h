@@ -25,6 +25,7 @@ inline constexpr std::uint32_t kMembershipChunk = fourcc("MEMB");
 inline constexpr std::uint32_t kColorChunk = fourcc("COLR");
 inline constexpr std::uint32_t kCellColorChunk = fourcc("CCOL");
 inline constexpr std::uint32_t kInstanceColorChunk = fourcc("ICOL");
+inline constexpr std::uint32_t kSurfaceColorChunk = fourcc("SCOL");  ///< from 1.1 on
 inline constexpr std::uint32_t kNormalChunk = fourcc("NORM");
 inline constexpr std::uint32_t kBasicMeshChunk = fourcc("MESH");  ///< from 1.1 on
 
@@ -98,5 +99,12 @@ struct MembershipLayout {
 [[nodiscard]] std::vector<std::byte> encode_basic_mesh(const BasicMesh& mesh);
 [[nodiscard]] std::optional<BasicMesh> decode_basic_mesh(const ChunkPayload& chunk, MemoryBudget& budget,
                                                          IssueSink& sink);
+
+/// SCOL [spec 4.11]. `grid` and `tile` are null where those chunks are at fault: the rules that need them are
+/// then left out, and without a grid the result is empty. A map without a brick must not be encoded (assert).
+[[nodiscard]] std::vector<std::byte> encode_surface_colors(const SurfaceColors& colors);
+[[nodiscard]] std::optional<SurfaceColors> decode_surface_colors(const ChunkPayload& chunk,
+                                                                 const GridLayout* grid, const TileMap* tile,
+                                                                 MemoryBudget& budget, IssueSink& sink);
 
 }  // namespace mesocell

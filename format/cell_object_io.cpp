@@ -78,6 +78,7 @@ Status add_asset(ContainerWriter& writer, const NamedCellObject& named, const Fo
   assert(!object.cell_colors || object.cell_colors->colors.size() == object.tile.cell_count);
   assert(!object.instance_colors ||
          object.instance_colors->colors.size() == count_instances(object.membership).inside);
+  assert(!object.surface_colors || object.surface_colors->entries.size() == object.grid.tile_count());
   assert(!object.normals || object.normals->normals.size() == count_boundary_voxels(object.tile));
 
   writer.begin_asset(kCellObjectRepresentation, named.name);
@@ -95,6 +96,9 @@ Status add_asset(ContainerWriter& writer, const NamedCellObject& named, const Fo
     writer.add_chunk(kCellColorChunk, Importance::kSkippable, encode_colors(*object.cell_colors));
   if (object.instance_colors)
     writer.add_chunk(kInstanceColorChunk, Importance::kSkippable, encode_colors(*object.instance_colors));
+  if (object.surface_colors && version.minor >= 1)
+    writer.add_chunk(kSurfaceColorChunk, Importance::kSkippable,
+                     encode_surface_colors(*object.surface_colors));
   if (object.normals) writer.add_chunk(kNormalChunk, Importance::kSkippable, encode_normals(*object.normals));
   if (object.basic_mesh && version.minor >= 1)
     writer.add_chunk(kBasicMeshChunk, Importance::kSkippable, encode_basic_mesh(*object.basic_mesh));
@@ -105,12 +109,16 @@ Status add_asset(ContainerWriter& writer, const NamedCellObject& named, const Fo
 
 #ifndef NDEBUG
 /// Whether the bytes hold the objects: a writer that did not would lose what it was given.
-bool reads_back(std::span<const std::byte> file, std::span<const NamedCellObject> objects, bool has_meshes) {
+bool reads_back(std::span<const std::byte> file, std::span<const NamedCellObject> objects,
+                const FormatVersion& version) {
   const ReadLimits no_limits{~std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0}};
   for (std::size_t i = 0; i < objects.size(); ++i) {
     auto copy = read_cell_object(file, no_limits, i);
     if (!copy && copy.error().code == ErrorCode::kLimit) return true;  // no memory to tell
-    if (copy && !has_meshes) copy->basic_mesh = objects[i].object->basic_mesh;
+    if (copy && version.minor == 0) {                                  // which has none of these
+      copy->basic_mesh = objects[i].object->basic_mesh;
+      copy->surface_colors = objects[i].object->surface_colors;
+    }
     if (!copy || !(*copy == *objects[i].object)) return false;
   }
   return true;
@@ -131,7 +139,7 @@ Result<std::vector<std::byte>> encode_cell_objects(std::span<const NamedCellObje
   for (const NamedCellObject& named : objects)
     if (Status status = add_asset(writer, named, options.version); !status) return status.error();
   auto bytes = writer.finish();
-  assert((!bytes.ok() || reads_back(*bytes, objects, options.version.minor >= 1)) &&
+  assert((!bytes.ok() || reads_back(*bytes, objects, options.version)) &&
          "the maps do not hold what format/cell_object.h says");
   return bytes;
 } catch (const std::bad_alloc&) {
@@ -183,6 +191,10 @@ std::optional<CellObject> check_cell_object(std::span<const std::byte> file, con
     object.normals = decode_normals(chunk, tile ? &*tile : nullptr, budget, sink);
   });
   if (scan.minor >= 1) {
+    with_chunk(kSurfaceColorChunk, [&](const ChunkPayload& chunk) {
+      object.surface_colors =
+          decode_surface_colors(chunk, grid ? &*grid : nullptr, tile ? &*tile : nullptr, budget, sink);
+    });
     with_chunk(kBasicMeshChunk, [&](const ChunkPayload& chunk) {
       object.basic_mesh = decode_basic_mesh(chunk, budget, sink);
     });

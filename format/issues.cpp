@@ -148,6 +148,17 @@ constexpr std::array kCatalogue = {
               "the basic mesh has not as many bytes as it states"},
     IssueInfo{"mesh-counts", kError, "4.10", Remedy::kWriter,
               "the basic mesh has fewer than 3 vertices or 1 triangle, or over 2³¹ − 1"},
+    IssueInfo{"scol-resolution", kError, "4.11", Remedy::kWriter,
+              "the resolution of the surface colors is not in 1…32 or above that of the tile"},
+    IssueInfo{"scol-brick-count", kError, "4.11", Remedy::kWriter,
+              "the number of bricks is zero or not that of the tiles that have one"},
+    IssueInfo{"scol-color-count", kError, "4.11", Remedy::kWriter,
+              "the number of surface colors is not that of the color voxels that have one"},
+    IssueInfo{"scol-rank", kError, "4.11", Remedy::kWriter,
+              "a rank is not the number of bricks or of surface colors before its page"},
+    IssueInfo{"scol-empty-brick", kError, "4.11", Remedy::kWriter, "a brick has no color"},
+    IssueInfo{"scol-unused-bits", kError, "4.11", Remedy::kWriter,
+              "unused bits after those of the tiles or of a brick's color voxels are not zero"},
     IssueInfo{"limit-exceeded", kError, "6", Remedy::kLimit,
               "reading the file would take more than the caller allows"},
 };
@@ -194,10 +205,10 @@ const IssueInfo& issue_info(IssueId id) {
 
 std::string issue_catalogue_markdown() {
   std::string text =
-      "# Issues of Mesocell 1.0\n\n"
+      "# Issues of Mesocell 1.0 and 1.1\n\n"
       "What a validator reports of a `.meso` file, made from the catalogue in `format/issues.cpp`; a test "
       "fails if\n"
-      "the two differ. *Clause* is the section of `mesocell-1.0.md`. A file is valid if it has no issue of "
+      "the two differ. *Clause* is the section of `mesocell-1.md`. A file is valid if it has no issue of "
       "severity\n"
       "error. Every message adds what was found where.\n\n"
       "| Id | Severity | Clause | Text |\n|---|---|---|---|\n";

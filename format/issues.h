@@ -113,6 +113,12 @@ enum class IssueId : std::uint8_t {
   kMeshEncoding,
   kMeshBytes,
   kMeshCounts,
+  kScolResolution,
+  kScolBrickCount,
+  kScolColorCount,
+  kScolRank,
+  kScolEmptyBrick,
+  kScolUnusedBits,
   kLimitExceeded,
   kCount,
 };
@@ -126,7 +132,7 @@ enum class Remedy : std::uint8_t { kNone, kNotMeso, kDamaged, kVersion, kWriter,
 struct IssueInfo {
   std::string_view id;
   Severity severity;
-  std::string_view clause;  ///< of spec/mesocell-1.0.md
+  std::string_view clause;  ///< of spec/mesocell-1.md
   Remedy remedy;
   std::string_view text;
 };

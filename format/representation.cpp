@@ -19,6 +19,7 @@ constexpr std::array kCellObjectRules = {
     ChunkRule{kNormalChunk, false, false},
     ChunkRule{kTextChunk, false, false},
     ChunkRule{kBasicMeshChunk, false, false, false, 1},
+    ChunkRule{kSurfaceColorChunk, false, false, false, 1},
 };
 
 constexpr std::array kRepresentations = {

@@ -18,10 +18,11 @@ constexpr u32 code(char a, char b, char c, char d) {
   return u32(u8(a)) | u32(u8(b)) << 8 | u32(u8(c)) << 16 | u32(u8(d)) << 24;
 }
 constexpr u32 kCell = code('C', 'E', 'L', 'L');
-constexpr u32 kTypes[9] = {code('G', 'R', 'I', 'D'), code('T', 'I', 'L', 'E'), code('M', 'E', 'M', 'B'),
-                           code('C', 'O', 'L', 'R'), code('C', 'C', 'O', 'L'), code('I', 'C', 'O', 'L'),
-                           code('N', 'O', 'R', 'M'), code('T', 'E', 'X', 'T'), code('M', 'E', 'S', 'H')};
-enum { kGrid, kTile, kMemb, kColr, kCcol, kIcol, kNorm, kText, kMesh, kUnknown };
+constexpr u32 kTypes[10] = {code('G', 'R', 'I', 'D'), code('T', 'I', 'L', 'E'), code('M', 'E', 'M', 'B'),
+                            code('C', 'O', 'L', 'R'), code('C', 'C', 'O', 'L'), code('I', 'C', 'O', 'L'),
+                            code('N', 'O', 'R', 'M'), code('T', 'E', 'X', 'T'), code('M', 'E', 'S', 'H'),
+                            code('S', 'C', 'O', 'L')};
+enum { kGrid, kTile, kMemb, kColr, kCcol, kIcol, kNorm, kText, kMesh, kScol, kUnknown };
 constexpr u32 kNone = 0xffffffff;
 
 inline u32 get16(const u8* p) { return p[0] | u32(p[1]) << 8; }
@@ -63,6 +64,12 @@ u64 hash64(const u8* p, u64 size) {
   h = (h ^ h >> 33) * kP2;
   h = (h ^ h >> 29) * kP3;
   return h ^ h >> 32;
+}
+
+u32 bit_count(u32 byte) {
+  byte -= byte >> 1 & 0x55;
+  byte = (byte & 0x33) + (byte >> 2 & 0x33);
+  return (byte + (byte >> 4)) & 0x0F;
 }
 
 // ---- State of one call
@@ -135,6 +142,9 @@ struct Loader {
   MesocellStatus load_normals(const Chunk& chunk);
   MesocellStatus load_text(const Chunk& chunk);
   MesocellStatus load_mesh(const Chunk& chunk);
+  MesocellStatus load_surface_colors(const Chunk& chunk, u8* bytes, u32* bricks, u32* first);
+  MesocellStatus check_surface_masks(const Chunk& chunk, u64 masks_end, u32* first) const;
+  void undo_differences(u8* color) const;
 };
 
 // Returns from the calling function unless the step succeeds.
@@ -268,7 +278,7 @@ MesocellStatus Loader::find_chunks(u32 asset) {
       if (get32(e) == c.type) return bad("a chunk type occurs twice");
     int known = kGrid;
     while (known < kUnknown && kTypes[known] != c.type) ++known;
-    if (known == kMesh && minor == 0) known = kUnknown;  // 1.1 brought it
+    if (known >= kMesh && minor == 0) known = kUnknown;  // 1.1 brought it
     if (c.critical != (known <= kMemb))
       return bad("a chunk is critical that is unknown or must not be, or is not");
     if (known == kGrid && c.codec != 0) return bad("GRID is not raw");
@@ -552,12 +562,6 @@ MesocellStatus Loader::load_membership(const Chunk& c, u32* entries) {
   return kMesocellOk;
 }
 
-u32 bit_count(u32 byte) {
-  byte -= byte >> 1 & 0x55;
-  byte = (byte & 0x33) + (byte >> 2 & 0x33);
-  return (byte + (byte >> 4)) & 0x0F;
-}
-
 // The tags of the mixed tiles, and adds how many instances have each.
 MesocellStatus Loader::check_tags(u64 counts[4]) const {
   const MesocellObject& o = *object;
@@ -759,11 +763,131 @@ MesocellStatus Loader::load_mesh(const Chunk& c) {
   return kMesocellOk;
 }
 
-// ---- The arena: decoder, chunks but GRID, and a block that first serves TILE and then holds the entries
+// 4.11: where the masks of SCOL are
+u64 scol_masks_at(u64 tile_count) {
+  return 64 + round_up((tile_count + 7) / 8, 64) + round_up((tile_count + 4095) / 4096 * 8, 64);
+}
+
+// Most bricks that SCOL has: each has a byte of a mask and a color at least.
+u64 most_bricks(const Chunk& c, u64 tile_count) {
+  const u64 at = scol_masks_at(tile_count), most = c.decoded > at ? (c.decoded - at) / 4 : 0;
+  return most < tile_count ? most : tile_count;
+}
+
+// 4.11. `bytes` are the chunk's, in the arena; `bricks` and `first` have room for one number a tile and as
+// many as most_bricks().
+MesocellStatus Loader::load_surface_colors(const Chunk& c, u8* bytes, u32* bricks, u32* first) {
+  MesocellObject& o = *object;
+  MESOCELL_TRY(header(c, 24));
+  u64 voxels = 1;
+  for (int a = 0; a < 3; ++a) {
+    const u32 r = o.surface_resolution[a] = get32(bytes + 4 * a);
+    if (r < 1 || r > 32 || r > o.resolution[a]) return bad("bad resolution of surface colors");
+    voxels *= r;
+  }
+  MESOCELL_TRY(stated_error(bytes + 12, o.surface_color_error));
+  o.surface_brick_count = get32(bytes + 16), o.surface_color_count = get32(bytes + 20);
+  const u64 tile_count = u64(o.tiles[0]) * o.tiles[1] * o.tiles[2], mask_bytes = (voxels + 7) / 8;
+  const u64 bits_end = 64 + (tile_count + 7) / 8, ranks_at = round_up(bits_end, 64);
+  const u64 ranks_end = ranks_at + (tile_count + 4095) / 4096 * 8, masks_at = scol_masks_at(tile_count);
+  const u64 masks_end = masks_at + o.surface_brick_count * mask_bytes, colors_at = round_up(masks_end, 64);
+  if (c.decoded != colors_at + u64(o.surface_color_count) * 3)
+    return bad("SCOL has not the size that it should");
+  if (!all_zero(bytes + bits_end, ranks_at - bits_end) ||
+      !all_zero(bytes + ranks_end, masks_at - ranks_end) ||
+      !all_zero(bytes + masks_end, colors_at - masks_end))
+    return bad("bytes between parts are not zero");
+  u64 count = 0;
+  for (u64 i = 64; i < bits_end; ++i) count += bit_count(bytes[i]);
+  if (count != o.surface_brick_count || count == 0) return bad("a wrong number of bricks");
+  if (tile_count % 8 != 0 && bytes[bits_end - 1] >> tile_count % 8 != 0)
+    return bad("bits after the last tile are not zero");
+  if (!charge(tile_count, 4) || !charge(count, 4) || !charge(count, mask_bytes) ||
+      !charge(o.surface_color_count, 3))
+    return over_limit("too many surface colors");
+  o.surface_bricks = bricks, o.surface_first = first;
+  o.surface_masks = bytes + masks_at, o.surface_colors = bytes + colors_at;
+  if (count > most_bricks(c, tile_count)) return bad("a brick has no color");
+  MESOCELL_TRY(check_surface_masks(c, masks_end, first));
+  u32 brick = 0;
+  for (u64 tile = 0; tile < tile_count; ++tile) {
+    const u8* rank = bytes + ranks_at + tile / 4096 * 8;
+    const u32 before = brick < count ? first[brick] : o.surface_color_count;
+    if (tile % 4096 == 0 && (get32(rank) != brick || get32(rank + 4) != before)) return bad("a wrong rank");
+    bricks[tile] = (bytes[64 + tile / 8] >> tile % 8 & 1) != 0 ? brick++ : kNone;
+  }
+  undo_differences(bytes + colors_at);
+  return kMesocellOk;
+}
+
+// The masks, and where each brick's colors begin.
+MesocellStatus Loader::check_surface_masks(const Chunk& c, u64 masks_end, u32* first) const {
+  const u32* r = object->surface_resolution;
+  const u32 voxels = r[0] * r[1] * r[2];
+  const u8* const end = c.bytes + masks_end;
+  u64 colors = 0;
+  for (const u8* mask = object->surface_masks; mask < end; ++first) {
+    const u64 before = colors;
+    *first = u32(colors);
+    for (u32 i = 0; i < voxels; i += 8) colors += bit_count(*mask++);
+    if (colors == before) return bad("a brick has no color");
+    if (voxels % 8 != 0 && mask[-1] >> voxels % 8 != 0) return bad("unused bits of a mask are not zero");
+  }
+  return colors == object->surface_color_count ? kMesocellOk : bad("a wrong number of surface colors");
+}
+
+// Each color is stored as its difference from the mean of those of the color voxels before it along each
+// axis, or from the color before it.
+void Loader::undo_differences(u8* color) const {
+  const u32* r = object->surface_resolution;
+  const u32 plane = r[0] * r[1], voxels = plane * r[2];
+  const u8* mask = object->surface_masks;
+  // The last color of each column along z, and a number of its voxel that no other brick has.
+  struct {
+    u64 voxel;
+    const u8* color;
+  } columns[32 * 32] = {};
+  for (u64 brick = 1; brick <= object->surface_brick_count; ++brick) {
+    static const u8 black[3] = {};
+    const u8* before = black;
+    for (u32 byte = 0; byte < voxels; byte += 8) {
+      u32 v = byte;
+      for (u32 bits = *mask++; bits != 0; bits >>= 1, ++v) {
+        if ((bits & 1) == 0) continue;
+        const u32 xy = v % plane;
+        const u64 voxel = brick * voxels + v;
+        const u8* near[3];
+        int count = 0;
+        const auto look = [&](u32 column, u32 back) {
+          if (columns[column].voxel == voxel - back) near[count++] = columns[column].color;
+        };
+        if (xy % r[0] > 0) look(xy - 1, 1);
+        if (xy >= r[0]) look(xy - r[0], r[0]);
+        if (v >= plane) look(xy, plane);
+        for (int k = 0; k < 3; ++k) {
+          int sum = 0;
+          for (int n = 0; n < count; ++n) sum += near[n][k];
+          color[k] = u8(color[k] + (count > 0 ? sum / count : before[k]));
+        }
+        columns[xy] = {voxel, color};
+        before = color;
+        color += 3;
+      }
+    }
+  }
+}
+
+// ---- The arena: decoder, chunks but GRID, a block that first serves TILE and then holds the entries, and
+// numbers of bricks and of their first colors
 
 struct Layout {
-  u64 at[kUnknown] = {}, decoder = 0, block = 0, total = 0;  // by kTypes; the decoder is at 0
+  u64 at[kUnknown] = {}, decoder = 0, block = 0, bricks = 0, total = 0;  // by kTypes; the decoder is at 0
 };
+
+// Raw chunks can be used where they are, but for SCOL, which is changed.
+bool in_place(const Loader& loader, int type) {
+  return loader.options.in_place != 0 && loader.chunks[type].codec == 0 && type != kScol;
+}
 
 // False if the arena would not fit in the address space.
 bool lay_out(const Loader& loader, Layout& layout) {
@@ -778,11 +902,13 @@ bool lay_out(const Loader& loader, Layout& layout) {
   layout.block = layout.decoder;
   for (int i = kTile; i < kUnknown; ++i) {
     const Chunk& c = loader.chunks[i];
-    if (!c.there || (c.codec == 0 && loader.options.in_place != 0)) continue;
+    if (!c.there || in_place(loader, i)) continue;
     layout.at[i] = layout.block;
     layout.block += round_up(c.decoded, 64);
   }
-  layout.total = layout.block + 4 * (tile_count > most_pieces ? tile_count : most_pieces + 1);
+  layout.bricks = layout.block + 4 * (tile_count > most_pieces ? tile_count : most_pieces + 1);
+  const Chunk& scol = loader.chunks[kScol];
+  layout.total = layout.bricks + (scol.there ? 4 * (tile_count + most_bricks(scol, tile_count)) : 0);
   return layout.total <= PTRDIFF_MAX;
 }
 
@@ -819,8 +945,13 @@ MesocellStatus mesocell_arena_bytes(const void* file, size_t file_bytes, uint32_
   MESOCELL_TRY(loader.load_grid());
   // What mesocell_load() will take from the budget at least: an arena over the limit is not even asked for.
   const u64 tile_bytes = loader.chunks[kTile].decoded;
-  if (!loader.charge(u64(object.tiles[0]) * object.tiles[1] * object.tiles[2], 4) ||
-      !loader.charge(1, tile_bytes > 128 ? tile_bytes - 128 : 0))
+  const u64 tile_count = u64(object.tiles[0]) * object.tiles[1] * object.tiles[2];
+  // Its first colors have no more bytes than masks and colors, but for the zeros between these.
+  const Chunk& scol = loader.chunks[kScol];
+  const u64 most = most_bricks(scol, tile_count);
+  if (!loader.charge(tile_count, scol.there ? 8 : 4) ||
+      !loader.charge(1, tile_bytes > 128 ? tile_bytes - 128 : 0) ||
+      !loader.charge(scol.there && most > 16 ? most - 16 : 0, 4))
     return loader.over_limit("too many tiles or voxels");
   if (!lay_out(loader, layout)) return loader.over_limit("more than the address space");
   *arena_bytes = size_t(layout.total);
@@ -843,11 +974,13 @@ MesocellStatus mesocell_load(const void* file, size_t file_bytes, uint32_t asset
   u8* const base = static_cast<u8*>(arena);
   if (layout.decoder > 0) loader.zstd = ZSTD_initStaticDCtx(base, size_t(layout.decoder));
   u32* const block = reinterpret_cast<u32*>(base + layout.block);
+  u32* const bricks = reinterpret_cast<u32*>(base + layout.bricks);
+  const u64 tile_count = u64(object->tiles[0]) * object->tiles[1] * object->tiles[2];
   for (int i = kTile; i < kUnknown; ++i) {
     Chunk& c = loader.chunks[i];
     if (!c.there) continue;
-    MESOCELL_TRY(
-        loader.load_chunk(c, c.codec == 0 && loader.options.in_place ? nullptr : base + layout.at[i]));
+    u8* const to = in_place(loader, i) ? nullptr : base + layout.at[i];
+    MESOCELL_TRY(loader.load_chunk(c, to));
     MESOCELL_TRY(i == kTile   ? loader.load_tile(c, block)
                  : i == kMemb ? loader.load_membership(c, block)
                  : i == kColr ? loader.load_color(c)
@@ -857,7 +990,8 @@ MesocellStatus mesocell_load(const void* file, size_t file_bytes, uint32_t asset
                                                    object->instance_color_error)
                  : i == kNorm ? loader.load_normals(c)
                  : i == kText ? loader.load_text(c)
-                              : loader.load_mesh(c));
+                 : i == kMesh ? loader.load_mesh(c)
+                              : loader.load_surface_colors(c, to, bricks, bricks + tile_count));
   }
   return kMesocellOk;
 }

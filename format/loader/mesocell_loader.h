@@ -1,9 +1,9 @@
 #ifndef MESOCELL_LOADER_H
 #define MESOCELL_LOADER_H
 
-/* The compact reference loader of .meso files, version 1: this header, mesocell_loader.cpp and zstd are all
- * that an engine needs. It is written in the order of spec/mesocell-1.0.md, in C++17 without exceptions and
- * RTTI, is callable from C, and accepts exactly the assets that the spec calls valid.
+/* The compact reference loader of .meso files, versions 1.0 and 1.1: this header, mesocell_loader.cpp and
+ * zstd are all that an engine needs. It is written in the order of spec/mesocell-1.md, in C++17 without
+ * exceptions and RTTI, is callable from C, and accepts exactly the assets that the spec calls valid.
  *
  * Untrusted input: safe. Nothing is read outside the file or written outside the arena; sizes are checked
  * against the file and the caller's limits before they are used. It allocates nothing and has no global
@@ -18,6 +18,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -37,7 +38,8 @@ typedef struct MesocellOptions {
   uint64_t max_decoded_bytes; /* of one asset; default 2^33 */
   uint64_t max_tiles;         /* default 2^28 */
   /* Not 0: raw chunks are used where they are in the file, which must then stay as it is while the object is
-   * used, as in a memory map; they take no room in the arena. Default 0. */
+   * used, as in a memory map; they take no room in the arena, but for SCOL, whose colors are stored as
+   * differences. Default 0. */
   int in_place;
 } MesocellOptions;
 
@@ -80,6 +82,17 @@ typedef struct MesocellObject {
   const uint8_t* instance_colors; /* one an INSIDE instance, by home tile, then cell */
   /* stated errors of these three, in steps of 1/255, and of the normals in degrees */
   float color_error, cell_color_error, instance_color_error, normal_error;
+
+  /* Colors at the surface, which stand for those of instances: see mesocell_surface_color(). NULL if there
+   * are none. A brick's mask has (voxels + 7) / 8 bytes: bit v mod 8 of byte v / 8 says whether color voxel
+   * v, x fastest, has a color. */
+  uint32_t surface_resolution[3]; /* color voxels of a tile */
+  const uint32_t* surface_bricks; /* one a tile: the number of its brick, 0xffffffff if it has none */
+  const uint32_t* surface_first;  /* one a brick: how many colors are before its own */
+  const uint8_t* surface_masks;   /* of all bricks */
+  const uint8_t* surface_colors;  /* three bytes each, by brick, then by color voxel */
+  uint32_t surface_brick_count, surface_color_count;
+  float surface_color_error;
 
   const uint8_t* normals; /* two bytes a boundary voxel, in storage order; NULL if there are none */
   uint64_t normal_count;
@@ -137,6 +150,34 @@ static inline uint32_t mesocell_tag(const MesocellObject* object, uint64_t tile,
   if (entry < 3) return entry;
   return object->tags[(uint64_t)(entry - 3) * object->tag_bytes + (cell - 1) / 4] >> 2 * ((cell - 1) % 4) &
          3u;
+}
+
+/* The surface color of voxel `voxel` of tile `tile`, three bytes; NULL if it has none. Takes as long as the
+ * tile's mask, up to 4096 bytes of it, 64 for color voxels of 8 x 8 x 8. */
+static inline const uint8_t* mesocell_surface_color(const MesocellObject* object, uint64_t tile,
+                                                    const uint32_t voxel[3]) {
+  const uint32_t* r = object->surface_resolution;
+  uint32_t brick, at[3], v, bytes, i;
+  uint64_t color, eight;
+  const uint8_t* mask;
+  if (!object->surface_colors || (brick = object->surface_bricks[tile]) == 0xffffffffu) return NULL;
+  for (i = 0; i < 3; ++i) at[i] = (2 * voxel[i] + 1) * r[i] / (2 * object->resolution[i]);
+  v = at[0] + r[0] * (at[1] + r[1] * at[2]);
+  bytes = (r[0] * r[1] * r[2] + 7) / 8;
+  mask = object->surface_masks + (uint64_t)brick * bytes;
+  if ((mask[v / 8] >> (v % 8) & 1) == 0) return NULL;
+  color = object->surface_first[brick];
+  for (i = 0; i <= v / 8; i += 8) { /* bits set before that of v, eight bytes at once */
+    const uint32_t whole = v / 8 - i < 8 ? v / 8 - i : 8;
+    uint8_t part[8] = {0};
+    memcpy(part, mask + i, whole);
+    if (whole < 8) part[whole] = (uint8_t)(mask[i + whole] & ((1u << v % 8) - 1));
+    memcpy(&eight, part, 8);
+    eight -= eight >> 1 & 0x5555555555555555u;
+    eight = (eight & 0x3333333333333333u) + (eight >> 2 & 0x3333333333333333u);
+    color += ((eight + (eight >> 4)) & 0x0f0f0f0f0f0f0f0fu) * 0x0101010101010101u >> 56;
+  }
+  return object->surface_colors + 3 * color;
 }
 
 /* Steps through the text. Begin with *cursor = 0; returns 0 at the end. Strings are UTF-8 and not terminated.

@@ -108,6 +108,83 @@ void write_colors(float error, const std::uint8_t* colors, std::uint64_t count, 
   out.append(colors, 3 * count);
 }
 
+/// The colors of a tile, null where there is none, color voxel by color voxel as a caller finds them.
+std::vector<const std::uint8_t*> surface_colors(const MesocellObject& o, std::uint64_t tile) {
+  const std::uint32_t* const r = o.surface_resolution;
+  std::vector<const std::uint8_t*> colors;
+  for (std::uint32_t c = 0; c < r[0] * r[1] * r[2]; ++c) {
+    const std::uint32_t at[3] = {c % r[0], c / r[0] % r[1], c / r[0] / r[1]};
+    std::uint32_t voxel[3] = {};  // the first of which it is the color
+    for (int a = 0; a < 3; ++a)
+      while ((2 * voxel[a] + 1) * r[a] / (2 * o.resolution[a]) < at[a]) ++voxel[a];
+    colors.push_back(mesocell_surface_color(&o, tile, voxel));
+  }
+  return colors;
+}
+
+void write_differences(const std::uint32_t r[3], const std::vector<const std::uint8_t*>& colors,
+                       Writer& out) {
+  const std::uint8_t black[3] = {};
+  const std::uint8_t* before = black;
+  for (std::size_t c = 0; c < colors.size(); ++c) {
+    if (!colors[c]) continue;
+    std::vector<const std::uint8_t*> near;
+    const auto look = [&](bool there, std::size_t back) {
+      if (there && colors[c - back]) near.push_back(colors[c - back]);
+    };
+    look(c % r[0] > 0, 1);
+    look(c / r[0] % r[1] > 0, r[0]);
+    look(c / r[0] / r[1] > 0, std::size_t{r[0]} * r[1]);
+    for (int channel = 0; channel < 3; ++channel) {
+      unsigned sum = 0;
+      for (const std::uint8_t* n : near) sum += n[channel];
+      const unsigned predicted = near.empty() ? before[channel] : sum / unsigned(near.size());
+      out.number((colors[c][channel] - predicted) & 255, 1);
+    }
+    before = colors[c];
+  }
+}
+
+void write_surface_colors(const MesocellObject& o, Writer& out) {
+  const std::size_t begin = out.bytes.size();
+  for (const std::uint32_t r : o.surface_resolution) out.number(r, 4);
+  out.real(o.surface_color_error);
+  out.number(o.surface_brick_count, 4);
+  out.number(o.surface_color_count, 4);
+  out.pad(begin);
+  Writer ranks, masks, differences;
+  std::uint32_t bricks = 0, count = 0;
+  unsigned eight = 0;
+  const std::uint64_t tiles = std::uint64_t{o.tiles[0]} * o.tiles[1] * o.tiles[2];
+  for (std::uint64_t tile = 0; tile < tiles; ++tile) {
+    if (tile % 4096 == 0) {
+      ranks.number(bricks, 4);
+      ranks.number(count, 4);
+    }
+    if (o.surface_bricks[tile] != 0xffffffff) {
+      ++bricks;
+      eight |= 1u << tile % 8;
+      const auto colors = surface_colors(o, tile);
+      unsigned bits = 0;
+      for (std::size_t c = 0; c < colors.size(); ++c) {
+        count += colors[c] != nullptr;
+        bits |= (colors[c] ? 1u : 0u) << c % 8;
+        if (c % 8 != 7 && c + 1 != colors.size()) continue;
+        masks.number(bits, 1);
+        bits = 0;
+      }
+      write_differences(o.surface_resolution, colors, differences);
+    }
+    if (tile % 8 != 7 && tile + 1 != tiles) continue;
+    out.number(eight, 1);
+    eight = 0;
+  }
+  for (const Writer* part : {&ranks, &masks, &differences}) {
+    out.pad(begin);
+    out.append(part->bytes.data(), part->bytes.size());
+  }
+}
+
 void write_chunk(const MesocellObject& o, std::string_view type, Writer& out) {
   const std::size_t begin = out.bytes.size() + 4;
   out.append(type.data(), 4);
@@ -141,6 +218,7 @@ void write_chunk(const MesocellObject& o, std::string_view type, Writer& out) {
     out.pad(begin);
     out.append(o.mesh, o.mesh_bytes);
   }
+  if (type == "SCOL") write_surface_colors(o, out);
   if (type == "TEXT") {
     out.number(o.text_count, 4);
     std::uint64_t cursor = 0;
@@ -156,7 +234,7 @@ void write_chunk(const MesocellObject& o, std::string_view type, Writer& out) {
 }
 
 bool is_known(std::string_view type, unsigned minor) {
-  if (type == "MESH") return minor > 0;
+  if (type == "MESH" || type == "SCOL") return minor > 0;
   for (const char* known : {"GRID", "TILE", "MEMB", "COLR", "CCOL", "ICOL", "NORM", "TEXT"})
     if (type == known) return true;
   return false;

@@ -20,12 +20,12 @@ const IssueInfo& info_of(std::string_view id) {
 void CaseList::valid(std::string_view name, std::string_view clause, Bytes bytes, std::string_view issue,
                      const ReadLimits& limits) {
   const std::string_view id = issue.empty() ? std::string_view() : info_of(issue).id;
-  cases_.push_back({std::string(name), clause, id, false, std::move(bytes), limits});
+  cases_.push_back({std::string(name), clause, id, false, std::move(bytes), limits, version_});
 }
 
 void CaseList::add_invalid(std::string_view name, bool sole, Bytes bytes, const ReadLimits& limits) {
   const IssueInfo& info = info_of(name.substr(0, name.find('/')));
-  cases_.push_back({std::string(name), info.clause, info.id, sole, std::move(bytes), limits});
+  cases_.push_back({std::string(name), info.clause, info.id, sole, std::move(bytes), limits, version_});
 }
 
 void CaseList::fault(std::string_view name, Bytes bytes, const ReadLimits& limits) {
@@ -60,8 +60,10 @@ std::vector<Case> conformance_cases() {
   add_text_cases(cases);
   add_color_cases(cases);
   add_normal_cases(cases);
-  add_mesh_cases(cases);
   add_version_cases(cases);
+  cases.of_version("1.1");
+  add_mesh_cases(cases);
+  add_surface_color_cases(cases);
   return cases.release();
 }
 

@@ -12,11 +12,12 @@ namespace mesocell::test {
 
 struct Case {
   std::string name;         ///< unique: topic or issue id, slash, what is special
-  std::string_view clause;  ///< of spec/mesocell-1.0.md
+  std::string_view clause;  ///< of spec/mesocell-1.md
   std::string_view issue;   ///< id that the case is for; empty for a valid file without remarks
   bool sole = false;        ///< no other error is in the file: a reader that forgets this rule takes it
   Bytes bytes;
   ReadLimits limits;
+  std::string_view version = "1.0";  ///< of the format, that brought what the case is about
 };
 
 /// Collects cases. Clause and severity of an issue come from the catalogue.
@@ -32,11 +33,15 @@ class CaseList {
   /// A file that is valid but for these limits.
   void limit(std::string_view name, Bytes bytes, const ReadLimits& limits = {});
 
+  /// The version of the cases that follow.
+  void of_version(std::string_view version) { version_ = version; }
+
   [[nodiscard]] std::vector<Case> release() { return std::move(cases_); }
 
  private:
   void add_invalid(std::string_view name, bool sole, Bytes bytes, const ReadLimits& limits);
   std::vector<Case> cases_;
+  std::string_view version_ = "1.0";
 };
 
 /// "invalid", "valid" or "limit".
@@ -58,7 +63,8 @@ void add_membership_cases(CaseList& cases);
 void add_text_cases(CaseList& cases);
 void add_color_cases(CaseList& cases);
 void add_normal_cases(CaseList& cases);
-void add_mesh_cases(CaseList& cases);
 void add_version_cases(CaseList& cases);
+void add_mesh_cases(CaseList& cases);
+void add_surface_color_cases(CaseList& cases);
 
 }  // namespace mesocell::test

@@ -44,6 +44,8 @@ std::vector<std::byte> encode_chunk(const CellObject& object, std::uint32_t type
       return encode_colors(object.cell_colors.value());
     case kInstanceColorChunk:
       return encode_colors(object.instance_colors.value());
+    case kSurfaceColorChunk:
+      return encode_surface_colors(object.surface_colors.value());
     case kNormalChunk:
       return encode_normals(object.normals.value());
     case kBasicMeshChunk:

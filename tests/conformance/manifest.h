@@ -21,7 +21,8 @@ struct Entry {
   std::vector<std::string> report;  ///< ids that a validator finds, each once
   std::string xxh64;                ///< of the file, 16 hexadecimal digits
   std::uint64_t bytes = 0;
-  std::string digest;  ///< of what a valid file holds, else empty
+  std::string digest;    ///< of what a valid file holds, else empty
+  std::string folder{};  ///< where the manifest was read from, which does not know that
 };
 
 struct Manifest {

@@ -1,6 +1,7 @@
 #include "tests/conformance/runner.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iomanip>
 #include <map>
 #include <ostream>
@@ -77,7 +78,8 @@ int run(const Manifest& manifest, const RunOptions& options, std::ostream& out) 
   std::size_t answers = 0;
   for (const Entry& entry : manifest.files) {
     if (!chosen(entry, options.only)) continue;
-    const auto path = std::filesystem::absolute(options.folder / entry.path).lexically_normal();
+    const auto path =
+        std::filesystem::absolute(std::filesystem::path(entry.folder) / entry.path).lexically_normal();
     const ReaderProcess::Reply reply = reader.ask(path.string(), options.time);
     if (reply.answered) ++answers;
     const std::string fault = reply.answered ? fault_of_answer(entry, reply.text, options.ids) : reply.text;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <filesystem>
 #include <iosfwd>
 #include <string>
 
@@ -10,10 +9,9 @@
 namespace mesocell::conformance {
 
 struct RunOptions {
-  std::string command;           ///< of the reader, for sh -c
-  std::filesystem::path folder;  ///< of the manifest
-  std::string only;              ///< files whose path, with or without the verdict's folder, begins with this
-  bool ids = false;              ///< issue ids are compared
+  std::string command;  ///< of the reader, for sh -c
+  std::string only;     ///< files whose path, with or without the verdict's folder, begins with this
+  bool ids = false;     ///< issue ids are compared
   std::chrono::milliseconds time{10000};
 };
 

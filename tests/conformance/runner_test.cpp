@@ -23,6 +23,7 @@ Manifest manifest() {
              {"invalid/grid-box/1.meso", "invalid", "4.10", "grid-box", {"grid-box", "x"}, kDigest, 1, ""},
              {"invalid/grid-box/2.meso", "invalid", "4.9", "grid-box", {"grid-box"}, kDigest, 1, ""},
              {"limit/b/1.meso", "limit", "6", "", {}, kDigest, 64, ""}};
+  for (Entry& entry : m.files) entry.folder = "/tmp/nowhere";
   return m;
 }
 
@@ -39,7 +40,7 @@ Outcome run_with(const std::string& command, bool ids = false, const std::string
                  std::chrono::milliseconds time = kLong) {
   ::signal(SIGPIPE, SIG_IGN);
   std::ostringstream out;
-  const int status = run(manifest(), {command, "/tmp/nowhere", only, ids, time}, out);
+  const int status = run(manifest(), {command, only, ids, time}, out);
   return {status, out.str()};
 }
 

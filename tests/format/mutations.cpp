@@ -76,7 +76,7 @@ void mutate_deep(Rng& rng, TestFile& parts) {
     if (bytes.size() > from)
       bytes[from + rng.below(std::uint32_t(bytes.size() - from))] = std::byte(rng.below(range));
   };
-  switch (rng.below(6)) {
+  switch (rng.below(7)) {
     case 0:
       any(parts.chunk(kTileChunk).stored, 64, 6);
       break;  // pieces, ids
@@ -98,6 +98,14 @@ void mutate_deep(Rng& rng, TestFile& parts) {
     case 4: {  // a byte of a map, or its header
       TestChunk& map = parts.chunks[rng.below(std::uint32_t(parts.chunks.size()))];
       if ((map.flags & 1) == 0) any(map.stored, 0, 2 + rng.below(255));
+      break;
+    }
+    case 5: {  // two bytes of SCOL change places, of masks mostly, whose bits stay as many
+      for (TestChunk& chunk : parts.chunks) {
+        if (chunk.type != kSurfaceColorChunk || chunk.stored.size() <= 64) continue;
+        const std::uint32_t n = std::uint32_t(chunk.stored.size() - 64);
+        std::swap(chunk.stored[64 + rng.below(n)], chunk.stored[64 + rng.below(n)]);
+      }
       break;
     }
     default: {  // two tags change places

@@ -103,6 +103,7 @@ TEST_CASE("format: maps of color and normals survive the round trip, each alone 
     CHECK(object.normals.has_value() == ((maps & kNormals) != 0));
     CHECK(object.cell_colors.has_value() == ((maps & kCellColors) != 0));
     CHECK(object.instance_colors.has_value() == ((maps & kInstanceColors) != 0));
+    CHECK(object.surface_colors.has_value() == ((maps & kSurfaceColors) != 0));
     check_round_trip(object);
   }
 }

@@ -64,6 +64,15 @@ CellObject to_cell_object(const MesocellObject& o) {
     object.basic_mesh =
         BasicMesh{{bytes, bytes + o.mesh_bytes}, o.mesh_vertices, o.mesh_triangles, o.mesh_error};
   }
+  if (o.surface_colors) {
+    SurfaceColors& map = object.surface_colors.emplace();
+    std::copy_n(o.surface_resolution, 3, map.resolution.begin());
+    map.entries.assign(o.surface_bricks, o.surface_bricks + object.grid.tile_count());
+    map.first.assign(o.surface_first, o.surface_first + o.surface_brick_count);
+    map.masks.assign(o.surface_masks, o.surface_masks + o.surface_brick_count * map.mask_bytes());
+    map.colors = colors(o.surface_colors, o.surface_color_count);
+    map.max_error = o.surface_color_error;
+  }
   std::uint64_t cursor = 0;
   const char *key = nullptr, *value = nullptr;
   std::uint32_t key_bytes = 0, value_bytes = 0;
@@ -91,6 +100,9 @@ bool is_canonical(std::span<const std::byte> file, std::size_t asset, const Cell
          (!object.normals || same(kNormalChunk, encode_normals(*object.normals))) &&
          object.basic_mesh.has_value() == (container->minor() >= 1 && has(kBasicMeshChunk)) &&
          (!object.basic_mesh || same(kBasicMeshChunk, encode_basic_mesh(*object.basic_mesh))) &&
+         object.surface_colors.has_value() == (container->minor() >= 1 && has(kSurfaceColorChunk)) &&
+         (!object.surface_colors ||
+          same(kSurfaceColorChunk, encode_surface_colors(*object.surface_colors))) &&
          (!has(kTextChunk) || same(kTextChunk, encode_text(object.metadata)));
 }
 
@@ -136,10 +148,9 @@ TestFile TestFile::of(const CellObject& object) {
   if (object.cell_colors) add(kCellColorChunk, encode_colors(*object.cell_colors));
   if (object.instance_colors) add(kInstanceColorChunk, encode_colors(*object.instance_colors));
   if (object.normals) add(kNormalChunk, encode_normals(*object.normals));
-  if (object.basic_mesh) {
-    add(kBasicMeshChunk, encode_basic_mesh(*object.basic_mesh));
-    parts.minor = 1;
-  }
+  if (object.surface_colors) add(kSurfaceColorChunk, encode_surface_colors(*object.surface_colors));
+  if (object.basic_mesh) add(kBasicMeshChunk, encode_basic_mesh(*object.basic_mesh));
+  if (object.surface_colors || object.basic_mesh) parts.minor = 1;
   add(kTextChunk, encode_text(object.metadata));
   return parts;
 }

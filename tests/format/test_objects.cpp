@@ -100,6 +100,8 @@ void add_random_maps(Rng& rng, unsigned maps, CellObject& object) {
             {std::uint8_t(rng.below(kMaxNormalByte + 1)), std::uint8_t(rng.below(kMaxNormalByte + 1))});
     object.normals = std::move(normals);
   }
+  if ((maps & kSurfaceColors) != 0)
+    object.surface_colors = random_surface_colors(rng, object.tile.resolution, object.grid.tile_count());
 }
 
 }  // namespace
@@ -141,6 +143,34 @@ TileMap random_tile(Rng& rng, const RandomObjectOptions& options) {
   return tile;
 }
 
+SurfaceColors random_surface_colors(Rng& rng, const Index3& tile, std::uint64_t tiles) {
+  SurfaceColors map;
+  for (std::size_t a = 0; a < 3; ++a)
+    map.resolution[a] = 1 + rng.below(std::min(tile[a], SurfaceColors::kMaxResolution));
+  map.max_error = 0.75f;
+  for (std::uint64_t t = 0; t < tiles; ++t) {
+    const bool last_chance = t + 1 == tiles && map.first.empty();
+    if (!last_chance && rng.below(2) == 0) {
+      map.entries.push_back(SurfaceColors::kNoBrick);
+      continue;
+    }
+    map.entries.push_back(std::uint32_t(map.first.size()));
+    map.first.push_back(std::uint32_t(map.colors.size()));
+    const std::size_t at = map.masks.size();
+    map.masks.resize(at + map.mask_bytes());
+    const std::uint32_t voxels = std::uint32_t(map.voxels_per_brick()), one = rng.below(voxels),
+                        share = rng.below(3);  // halves that have a color
+    for (std::uint32_t v = 0; v < voxels; ++v) {
+      if (v != one && rng.below(2) >= share) continue;
+      map.masks[at + v / 8] = std::uint8_t(map.masks[at + v / 8] | 1u << v % 8);
+      Rgb8 color;
+      for (std::uint8_t& channel : color) channel = std::uint8_t(rng.below(256));
+      map.colors.push_back(color);
+    }
+  }
+  return map;
+}
+
 CellObject random_object(std::uint64_t seed, const RandomObjectOptions& options) {
   Rng rng(seed);
   CellObject object;
@@ -172,7 +202,8 @@ CellObject random_small_object(std::uint64_t seed) {
   options.block = 1 + rng.below(3);
   options.longest_run = 1 + rng.below(30);
   options.texts = rng.below(4);
-  options.maps = rng.below(kAllMaps + 1);
+  options.maps = rng.below(kMapsOf1_0 + 1);
+  if (rng.below(3) == 0) options.maps |= kSurfaceColors;
   return random_object(seed, options);
 }
 

@@ -11,7 +11,15 @@
 namespace mesocell::test {
 
 /// Which maps of color and normals an object has.
-enum TestMaps : unsigned { kColorMap = 1, kCellColors = 2, kInstanceColors = 4, kNormals = 8, kAllMaps = 15 };
+enum TestMaps : unsigned {
+  kColorMap = 1,
+  kCellColors = 2,
+  kInstanceColors = 4,
+  kNormals = 8,
+  kMapsOf1_0 = 15,
+  kSurfaceColors = 16,  ///< which makes files of 1.1
+  kAllMaps = 31
+};
 
 struct RandomObjectOptions {
   Index3 resolution{4, 5, 6};
@@ -27,8 +35,11 @@ struct RandomObjectOptions {
 /// A tile of random labels: every voxel gets a cell and an image of it, then homes are moved to obey the home
 /// rule.
 [[nodiscard]] TileMap random_tile(Rng& rng, const RandomObjectOptions& options);
+/// Bricks in about every second tile, colors in about every second color voxel of some and in all or one of
+/// others; at least one. `tile`: the resolution of the tile.
+[[nodiscard]] SurfaceColors random_surface_colors(Rng& rng, const Index3& tile, std::uint64_t tiles);
 [[nodiscard]] CellObject random_object(std::uint64_t seed, const RandomObjectOptions& options = {});
-/// Options drawn from the seed: small objects of all kinds.
+/// Options drawn from the seed: small objects of all kinds, a third of them with surface colors.
 [[nodiscard]] CellObject random_small_object(std::uint64_t seed);
 
 /// The object of spec section 7.

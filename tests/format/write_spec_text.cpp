@@ -9,7 +9,7 @@
 
 using namespace mesocell;
 
-/// Rewrites spec/issues.md and the walk-through in spec/mesocell-1.0.md after a change of the code.
+/// Rewrites spec/issues.md and the walk-through in spec/mesocell-1.md after a change of the code.
 int main(int argc, char** argv) {
   if (argc != 2) {
     std::fprintf(stderr, "usage: mesocell_spec_text SPEC_FOLDER\n");
@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
     if (!status) std::fprintf(stderr, "%s: %s\n", path.c_str(), status.error().message.c_str());
     return status.ok();
   };
-  const std::string path = folder + "/mesocell-1.0.md";
+  const std::string path = folder + "/mesocell-1.md";
   std::ifstream in(path);
   std::string spec{std::istreambuf_iterator<char>(in), {}};
   const auto begin = spec.find(test::kWalkthroughBegin), end = spec.find(test::kWalkthroughEnd);

@@ -18,7 +18,7 @@ std::vector<Bytes> file_seeds() {
       test::split(chunk, 4096, seed % 2 == 0 && chunk.type != kGridChunk);
     files.push_back(parts.build());
   }
-  // Of 1.1.
+  // Of 1.1, of which a third of those above are.
   CellObject with_mesh = test::random_small_object(12);
   for (const std::size_t bytes : {0u, 100u, 9000u}) {
     with_mesh.basic_mesh = BasicMesh{Bytes(bytes, std::byte{17}), 8, 12, 0.25f};

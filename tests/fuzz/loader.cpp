@@ -50,6 +50,22 @@ void walk(const MesocellObject& object) {
   add(object.instance_colors, 3 * object.inside);
   add(object.normals, 2 * object.normal_count);
   add(object.mesh, object.mesh_bytes);
+  if (object.surface_colors) {
+    add(object.surface_colors, std::uint64_t{3} * object.surface_color_count);
+    for (std::uint64_t i = 0; i < 20000; ++i) {
+      const std::uint64_t tile = i % tiles, v = i / tiles * 7 % voxels;
+      const std::uint32_t voxel[3] = {
+          std::uint32_t(v % object.resolution[0]),
+          std::uint32_t(v / object.resolution[0] % object.resolution[1]),
+          std::uint32_t(v / object.resolution[0] / object.resolution[1]),
+      };
+      const std::uint8_t* const color = mesocell_surface_color(&object, tile, voxel);
+      if (!color) continue;
+      MESOCELL_FUZZ_CHECK(color >= object.surface_colors &&
+                          color < object.surface_colors + std::uint64_t{3} * object.surface_color_count);
+      sum += color[0];
+    }
+  }
   std::uint64_t cursor = 0;
   const char *key = nullptr, *value = nullptr;
   std::uint32_t key_bytes = 0, value_bytes = 0, texts = 0;

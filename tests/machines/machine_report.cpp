@@ -41,6 +41,8 @@ std::uint64_t hash_of_maps(const CellObject& object) {
   if (object.cell_colors) out.append(encode_colors(*object.cell_colors));
   if (object.instance_colors) out.append(encode_colors(*object.instance_colors));
   if (object.normals) out.append(encode_normals(*object.normals));
+  if (object.basic_mesh) out.append(encode_basic_mesh(*object.basic_mesh));
+  if (object.surface_colors) out.append(encode_surface_colors(*object.surface_colors));
   out.append(encode_text(object.metadata));
   return hash64(out.bytes());
 }
