@@ -65,7 +65,7 @@ Status export_gpu(const ExportJob& job) {
   std::uint64_t bytes = 0;
   const Status status = write_gpu_textures(job.object, job.command.output, job.command.no_clobber, &bytes);
   job.report["bytes"] = bytes;
-  add_losses({"colors of cells and instances, normals, metadata"}, job);
+  add_losses({"colors of cells, instances and the surface, normals, metadata"}, job);
   return status;
 }
 

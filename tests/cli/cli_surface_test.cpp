@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <set>
 #include <string>
 #include <vector>
@@ -236,6 +237,53 @@ TEST_CASE("a picture colors a mesh by its texture coordinates, where the mesh na
   CHECK(run_command({"convert", bare, asset, "--color", "mesh:texture=" + picture}).exit == 2);
   CHECK(run_command({"convert", mesh, asset, "--color", "mesh:texture=" + folder.file("none.png")}).exit ==
         3);
+}
+
+TEST_CASE("baked colors are finer than cells") {
+  const TempFolder folder;
+  // Red to blue along x.
+  TriangleMesh box = make_box({0, 0, 0}, {1, 1, 1});
+  for (const Vec3& v : box.vertices) box.colors.push_back(v.x > 0.5 ? Rgb8{0, 0, 255} : Rgb8{255, 0, 0});
+  const std::string mesh = folder.write("box.off", mesh_bytes(box, "mesh.off"));
+  const auto make = [&](const char* color) {
+    const std::string asset = folder.file("box.meso");
+    const Run run = run_command({"convert", mesh, asset, "--tiles", "4", "--tile", "bricks:resolution=16",
+                                 "--color", color, "--json"});
+    INFO(run.err);
+    REQUIRE(run.exit == 0);
+    CHECK(run.json()["metadata"]["color"] == color);
+    CHECK(run_command({"validate", asset}).exit == 0);
+    return info_of(asset);
+  };
+  const auto colors_in_a_row = [&] {
+    REQUIRE(run_command({"render", folder.file("box.meso"), folder.file("c.png"), "--mode", "color", "--size",
+                         "80x60", "--eye", "0.5,0.5,4", "--look", "0.5,0.5,0"})
+                .exit == 0);
+    const Image image = read_picture(folder.file("c.png"));
+    const std::size_t stride = image.channels.size();
+    std::vector<float> reds;
+    for (std::size_t x = 0; x < image.width; ++x) {
+      const float* const pixel = image.pixels.data() + (30 * image.width + x) * stride;
+      if (pixel[0] + pixel[2] > 0.1f && pixel[1] < 0.1f && (reds.empty() || reds.back() != pixel[0]))
+        reds.push_back(pixel[0]);
+    }
+    CHECK(std::is_sorted(reds.rbegin(), reds.rend()));
+    return reds.size();
+  };
+  find_image_module();
+  const json plain = make("mesh");
+  CHECK(plain["surface_color_resolution"].is_null());
+  CHECK(plain["surface_colors"] == 0);
+  const std::size_t of_cells = colors_in_a_row();
+  const json baked = make("mesh:bake=8");
+  CHECK(baked["surface_color_resolution"] == json({8, 8, 8}));
+  CHECK(baked["surface_colors"] > 1000);
+  CHECK(baked["instance_colors"] == plain["instance_colors"]);
+  CHECK(baked["max_error"]["surface_colors"] == 0.5);
+  CHECK(colors_in_a_row() >= 3 * of_cells);
+  CHECK(make("mesh:bake=4x2x1")["surface_color_resolution"] == json({4, 2, 1}));
+  for (const char* wrong : {"mesh:bake=0", "mesh:bake=33", "mesh:bake=fine", "marble:bake=4"})
+    CHECK(run_command({"convert", mesh, folder.file("no.meso"), "--tiles", "4", "--color", wrong}).exit == 2);
 }
 
 TEST_CASE("a glTF with a texture and an OBJ with materials give their colors to the cells") {
