@@ -69,7 +69,7 @@ Status fill_grid(const ObjectVoxels& voxels, const VoxelRange& range, const AddL
     return Error{ErrorCode::kLimit,
                  "grid '" + grid.name + "' would take about " +
                      std::to_string(std::uint64_t(estimate * 1e-6)) + " million voxels, over the limit of " +
-                     std::to_string(options.max_voxels) + "; take a range of tiles, or raise the limit"};
+                     std::to_string(options.max_voxels) + "; take a box of tiles (--region)"};
   }
   for (SparseVolume& layer : layers) {
     grid.leaves.insert(grid.leaves.end(), layer.leaves.begin(), layer.leaves.end());
