@@ -52,7 +52,7 @@ inline constexpr const char* kMeshExtensions = ".obj, .off, .ply, .stl, .gltf, .
 ///
 /// Materials: Kd and map_Kd of an OBJ's MTL, a PLY's TextureFile with texture coordinates of faces or
 /// vertices, base color and its texture of a glTF. Pictures may be PNG, JPEG, BMP or TGA, those of OBJ and
-/// PLY also EXR and HDR. What is missing is a warning.
+/// PLY also TIFF, EXR and HDR, of which the first page or part is taken; they are told by their content. What is missing is a warning.
 ///
 /// Untrusted input: safe. Memory is at most a small multiple of the size of the file and of those that it
 /// names. Errors, all with a remedy: kUnreadable, kInvalidInput (not a mesh, counts beyond the file's end,
