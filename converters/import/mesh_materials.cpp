@@ -88,8 +88,12 @@ Result<TextureImage> read_texture(const std::string& path, const Progress* progr
 class MaterialReader {
  public:
   MaterialReader(const std::string& path, PlainMesh& mesh, std::vector<MeshWarning>& warnings,
-                 const Progress* progress)
-      : folder_(fs::path(path).parent_path()), mesh_(mesh), warnings_(warnings), progress_(progress) {}
+                 ReadNotes& notes, const Progress* progress)
+      : folder_(fs::path(path).parent_path()),
+        mesh_(mesh),
+        warnings_(warnings),
+        notes_(notes),
+        progress_(progress) {}
 
   Status read() {
     SurfacePaint& paint = mesh_.paint;
@@ -142,6 +146,7 @@ class MaterialReader {
         names.emplace_back(word);
     }
     for (const std::string& file : names) {
+      notes_.files.insert(place(file));
       const Result<std::vector<std::byte>> bytes = read_plain_file(place(file), kMaxMtlBytes);
       if (!bytes) {
         warn("material-missing", "the materials " + file + " cannot be read: " + bytes.error().message);
@@ -158,6 +163,7 @@ class MaterialReader {
     if (mesh_.paint.uvs.empty()) return;
     const auto [known, is_new] = images_.try_emplace(place(name));
     if (is_new) {
+      notes_.files.insert(known->first);
       Result<TextureImage> image = read_texture(known->first, progress_);
       if (image && image->texels.size() > kMaxTexels - texels_)
         image = Error{ErrorCode::kLimit, "the pictures have too many pixels together; use smaller ones"};
@@ -175,6 +181,7 @@ class MaterialReader {
   fs::path folder_;
   PlainMesh& mesh_;
   std::vector<MeshWarning>& warnings_;
+  ReadNotes& notes_;
   const Progress* progress_;
   std::map<std::string, std::optional<std::uint32_t>> images_;  ///< by where they are
   std::uint64_t texels_ = 0;
@@ -183,8 +190,8 @@ class MaterialReader {
 }  // namespace
 
 Status read_materials(const std::string& path, PlainMesh& mesh, std::vector<MeshWarning>& warnings,
-                      const Progress* progress) {
-  return MaterialReader(path, mesh, warnings, progress).read();
+                      ReadNotes& notes, const Progress* progress) {
+  return MaterialReader(path, mesh, warnings, notes, progress).read();
 }
 
 Status use_texture(const std::string& picture, std::uint64_t triangles, SurfacePaint& paint,
