@@ -15,7 +15,9 @@
 #include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "converters/cli/batch_plan.h"
 #include "converters/cli/interrupt.h"
@@ -71,6 +73,15 @@ bool read_output(const Descriptor& from, const Progress& progress, const std::at
   }
 }
 
+/// What a process says that it read beside its input.
+std::vector<std::string> files_beside(const nlohmann::ordered_json& report) {
+  std::vector<std::string> files;
+  if (!report.is_object() || !report.contains("files")) return files;
+  for (const auto& file : report["files"])
+    if (file.is_string()) files.push_back(file.get<std::string>());
+  return files;
+}
+
 class Batch {
  public:
   Batch(const ConvertCommand& command, std::vector<BatchFile> files)
@@ -124,7 +135,7 @@ class Batch {
     if (status == 0) {
       result.outcome = Outcome::kMade;
       const std::lock_guard lock(mutex_);
-      record_.note(file, words_);
+      record_.note(file, words_, files_beside(result.json));
       return;
     }
     result.outcome = Outcome::kFailed;

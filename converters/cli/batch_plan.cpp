@@ -60,6 +60,20 @@ std::string stamp_of(const std::string& path) {
          std::to_string(status.st_mtim.tv_nsec);
 }
 
+/// Of a record's file. Records of older versions know nothing of files beside the input, and do not count.
+std::optional<std::pair<std::string, std::map<std::string, std::string>>> read_entry(
+    const nlohmann::json& value) {
+  if (!value.is_object() || !value.contains("of") || !value.contains("files") || !value["of"].is_string() ||
+      !value["files"].is_object())
+    return std::nullopt;
+  std::map<std::string, std::string> files;
+  for (const auto& [path, stamp] : value["files"].items()) {
+    if (!stamp.is_string()) return std::nullopt;
+    files[path] = stamp.get<std::string>();
+  }
+  return std::pair(value["of"].get<std::string>(), std::move(files));
+}
+
 std::string fingerprint(const BatchFile& file, const std::string& words) {
   return std::string(MESOCELL_VERSION) + "; " + file.input + "; " +
          stamp_of(parse_asset_path(file.input).file) + "; " + words + "; " + stamp_of(file.output);
@@ -119,13 +133,15 @@ BatchRecord BatchRecord::load(const std::string& folder) {
   const nlohmann::json json = nlohmann::json::parse(begin, begin + bytes->size(), nullptr, false);
   if (!json.is_object() || !json.contains("made") || !json["made"].is_object()) return record;
   for (const auto& [name, value] : json["made"].items())
-    if (value.is_string()) record.made_[name] = value.get<std::string>();
+    if (auto entry = read_entry(value))
+      record.made_[name] = {std::move(entry->first), std::move(entry->second)};
   return record;
 }
 
 Status BatchRecord::save(const std::string& folder) const {
   nlohmann::ordered_json json;
-  json["made"] = made_;
+  json["made"] = nlohmann::ordered_json::object();
+  for (const auto& [name, entry] : made_) json["made"][name] = {{"of", entry.made}, {"files", entry.files}};
   const std::string text = json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   return write_file((fs::path(folder) / kRecordName).string(), std::as_bytes(std::span(text)));
 }
@@ -133,11 +149,24 @@ Status BatchRecord::save(const std::string& folder) const {
 bool BatchRecord::up_to_date(const BatchFile& file, const std::string& words) const {
   const auto found = made_.find(fs::path(file.output).filename().string());
   std::error_code error;
-  return found != made_.end() && fs::exists(file.output, error) && found->second == fingerprint(file, words);
+  if (found == made_.end() || !fs::exists(file.output, error)) return false;
+  const Entry& entry = found->second;
+  return entry.made == fingerprint(file, words) &&
+         std::all_of(entry.files.begin(), entry.files.end(),
+                     [](const auto& beside) { return beside.second == stamp_of(beside.first); });
 }
 
-void BatchRecord::note(const BatchFile& file, const std::string& words) {
-  made_[fs::path(file.output).filename().string()] = fingerprint(file, words);
+void BatchRecord::note(const BatchFile& file, const std::string& words,
+                       const std::vector<std::string>& beside) {
+  const std::string name = fs::path(file.output).filename().string();
+  made_.erase(name);
+  Entry entry{fingerprint(file, words), {}};
+  for (const std::string& path : beside) {
+    // Bytes that are no text were replaced on their way here: no such file would ever be found to change.
+    if (path.find("\xef\xbf\xbd") != path.npos) return;
+    entry.files[path] = stamp_of(path);
+  }
+  made_[name] = std::move(entry);
 }
 
 }  // namespace mesocell

@@ -34,13 +34,19 @@ class BatchRecord {
   /// Errors: kOutput.
   [[nodiscard]] Status save(const std::string& folder) const;
 
-  /// Whether the output is there as it was made of the input as it is now, by these words.
+  /// Whether the output is there as it was made of the input and all files that were read with it, as they
+  /// are now, by these words.
   [[nodiscard]] bool up_to_date(const BatchFile& file, const std::string& words) const;
-  /// Notes that the output was made just now.
-  void note(const BatchFile& file, const std::string& words);
+  /// Notes that the output was made just now, of the input and files beside it.
+  void note(const BatchFile& file, const std::string& words, const std::vector<std::string>& beside);
 
  private:
-  std::map<std::string, std::string> made_;  ///< by the output's name, all that must be the same
+  /// All that must be the same.
+  struct Entry {
+    std::string made;
+    std::map<std::string, std::string> files;  ///< what they were, by their paths
+  };
+  std::map<std::string, Entry> made_;  ///< by the output's name
 };
 
 }  // namespace mesocell

@@ -38,13 +38,15 @@ std::optional<Failure> read_bake(const Recipe& recipe, Colors& colors) {
 }
 
 /// Colors from a grid of a volume.
-std::optional<Failure> read_colors_of_volume(const Recipe& recipe, const Progress& progress, Colors& colors) {
+std::optional<Failure> read_colors_of_volume(const Recipe& recipe, const Progress& progress, Colors& colors,
+                                             ReadNotes& notes) {
   const std::string option(kOption);
   constexpr std::array<std::string_view, 3> kOptions = {"bake", "file", "grid"};
   if (const Status status = check_options(recipe, "color", kOptions); !status)
     return Failure{status.error(), option};
   const auto file = recipe.options.find("file"), grid = recipe.options.find("grid");
   if (file == recipe.options.end()) return usage(option, "a file is missing; write volume:file=NAME");
+  notes.files.insert(file->second);
   const auto read = read_volume_colors(
       file->second, grid == recipe.options.end() ? std::string() : grid->second, &progress);
   if (!read) return Failure{read.error(), read.error().code == ErrorCode::kUsage ? option : file->second};
@@ -59,9 +61,9 @@ std::optional<Failure> read_colors_of_volume(const Recipe& recipe, const Progres
 
 std::optional<Failure> make_sourced_colors(const Recipe& recipe, std::uint32_t cell_count,
                                            const ShapeSource& shape, const Progress& progress, Colors& colors,
-                                           std::vector<Warning>& warnings) {
+                                           std::vector<Warning>& warnings, ReadNotes& notes) {
   const std::string option(kOption);
-  if (recipe.name == kVolume) return read_colors_of_volume(recipe, progress, colors);
+  if (recipe.name == kVolume) return read_colors_of_volume(recipe, progress, colors, notes);
   if (recipe.name == kOwn || recipe.name == kOwnGrid) {
     // The picture was read with the mesh, see texture_of_color().
     constexpr std::array<std::string_view, 2> kOwnOptions = {"bake", "texture"};
@@ -86,18 +88,25 @@ std::optional<Failure> make_sourced_colors(const Recipe& recipe, std::uint32_t c
     return Failure{status.error(), option};
   const auto file = recipe.options.find("file");
   if (file == recipe.options.end()) return usage(option, "a file is missing; write image:file=NAME");
+  notes.files.insert(file->second);
   VolumeReadOptions read;
   if (recipe.options.contains("resolution")) {
     const auto resolution = resolution_option(recipe, "resolution", {}, 1, 1024);
     if (!resolution) return Failure{resolution.error(), option};
     read.raw_resolution = *resolution;
   }
-  Result<ColorMap> map = read_color_volume(file->second, read, &progress);
+  Result<ColorMap> map = read_color_volume(file->second, read, &progress, &notes);
   if (!map) return Failure{map.error(), map.error().code == ErrorCode::kUsage ? option : file->second};
   check_seams(*map, warnings);
   colors = {};
   colors.map = std::move(*map);
   return std::nullopt;
+}
+
+bool takes_mesh_colors(const std::optional<std::string>& color) {
+  if (!color) return false;
+  const Result<Recipe> recipe = parse_recipe(*color);
+  return recipe && recipe->name == kOwn;
 }
 
 std::string texture_of_color(const std::optional<std::string>& color) {

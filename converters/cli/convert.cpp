@@ -57,6 +57,7 @@ std::uint64_t peak_bytes() {
 struct Outcome {
   AssetFile file;
   AuthorReport report;
+  ReadNotes notes;
   Seconds seconds;
 };
 
@@ -120,19 +121,20 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
 
   watch.lap();
   std::unique_ptr<ShapeSource> shape;
-  if (auto failure = read_shape(command, progress, shape, warnings)) return failure;
+  if (auto failure = read_shape(command, progress, shape, warnings, outcome.notes)) return failure;
   find_unused_repair(command, *shape, warnings);
   outcome.seconds.read = watch.lap();
 
   SourcedTile tile;
   if (auto failure = make_sourced_tile(plan.tile, plan.tile_options, progress, tile)) return failure;
   warnings.insert(warnings.end(), tile.warnings.begin(), tile.warnings.end());
+  outcome.notes.add(tile.notes);
   outcome.seconds.tile = watch.lap();
 
   // Before the longest part of the work, as the recipe may be wrong.
   if (plan.color) {
-    if (auto failure =
-            make_sourced_colors(*plan.color, tile.tile.cell_count, *shape, progress, tile.colors, warnings))
+    if (auto failure = make_sourced_colors(*plan.color, tile.tile.cell_count, *shape, progress, tile.colors,
+                                           warnings, outcome.notes))
       return failure;
     tile.color_recipe = to_text(without_folders(*plan.color));
   }
@@ -194,6 +196,7 @@ nlohmann::ordered_json outcome_json(const Outcome& outcome) {
   json["warnings"] = nlohmann::ordered_json::array();
   for (const Warning& warning : outcome.report.warnings)
     json["warnings"].push_back({{"id", warning.id}, {"text", warning.text}});
+  json["files"] = outcome.notes.files;
   // Where there is no mesh there is nothing to diagnose.
   if (outcome.report.diagnosis.triangles > 0) {
     json["diagnosis"] = diagnosis_json(outcome.report.diagnosis);

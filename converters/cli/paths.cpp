@@ -1,6 +1,7 @@
 #include <filesystem>
 
 #include "converters/cli/commands.h"
+#include "converters/image/extension.h"
 #include "format/file.h"
 
 namespace mesocell {
@@ -12,10 +13,7 @@ bool same_file(const std::string& a, const std::string& b) {
 }
 
 bool has_extension(const std::string& path, std::string_view extension) {
-  std::string own = std::filesystem::path(path).extension().string();
-  for (char& c : own)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return own == extension;
+  return lower_extension(path) == extension;
 }
 
 Status check_output(const std::string& path, bool no_clobber) {

@@ -108,12 +108,24 @@ std::optional<Failure> make_generated(const std::string& input, std::unique_ptr<
   return std::nullopt;
 }
 
+Result<PaintedMesh> without_materials(Result<TriangleMesh> mesh) {
+  if (!mesh) return mesh.error();
+  PaintedMesh painted;
+  painted.mesh = std::move(*mesh);
+  return painted;
+}
+
 std::optional<Failure> read_mesh(const ConvertCommand& command, const Progress& progress,
-                                 std::unique_ptr<ShapeSource>& shape, std::vector<Warning>& warnings) {
+                                 std::unique_ptr<ShapeSource>& shape, std::vector<Warning>& warnings,
+                                 ReadNotes& notes) {
   MeshReadReport report;
   MeshReadOptions options;
   options.texture = texture_of_color(command.color);
-  Result<PaintedMesh> mesh = read_painted_mesh(command.input, options, &report, &progress);
+  // Pictures of materials are read for whom they color.
+  Result<PaintedMesh> mesh =
+      takes_mesh_colors(command.color)
+          ? read_painted_mesh(command.input, options, &report, &progress)
+          : without_materials(read_mesh_file(command.input, options, &report, &progress));
   if (!mesh) return Failure{mesh.error(), mesh.error().code == ErrorCode::kUsage ? "--color" : command.input};
   if (report.dropped_faces > 0)
     warnings.push_back(
@@ -121,6 +133,7 @@ std::optional<Failure> read_mesh(const ConvertCommand& command, const Progress& 
                               " triangles with two equal corners were left out; they enclose nothing"});
   for (MeshWarning& warning : report.warnings)
     warnings.push_back({std::move(warning.id), std::move(warning.text)});
+  notes.add(report.notes);
   shape = std::make_unique<MeshShape>(std::move(*mesh));
   return std::nullopt;
 }
@@ -146,7 +159,8 @@ std::unique_ptr<ShapeSource> make_mesh_shape(TriangleMesh mesh, Metadata metadat
 bool is_shape_key(std::string_view key) { return key == "heights" || key == "shape" || key == "source"; }
 
 std::optional<Failure> read_shape(const ConvertCommand& command, const Progress& progress,
-                                  std::unique_ptr<ShapeSource>& shape, std::vector<Warning>& warnings) {
+                                  std::unique_ptr<ShapeSource>& shape, std::vector<Warning>& warnings,
+                                  ReadNotes& notes) {
   const std::string& input = command.input;
   const Content content = find_content(input);
   if (command.heights && content != Content::kPicture)
@@ -165,9 +179,9 @@ std::optional<Failure> read_shape(const ConvertCommand& command, const Progress&
       return read_heights(input, *plan, progress, shape, warnings);
     }
     case Content::kVolume:
-      return read_volume_shape(command, progress, shape, warnings);
+      return read_volume_shape(command, progress, shape, warnings, notes);
     case Content::kMesh:
-      return read_mesh(command, progress, shape, warnings);
+      return read_mesh(command, progress, shape, warnings, notes);
   }
   return std::nullopt;
 }

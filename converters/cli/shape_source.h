@@ -7,6 +7,7 @@
 
 #include "converters/cli/commands.h"
 #include "converters/cli/console.h"
+#include "converters/import/read_notes.h"
 #include "format/cell_object.h"
 #include "format/text_chunk.h"
 #include "sdk/author/cell_object.h"
@@ -30,8 +31,8 @@ class ShapeSource {
   [[nodiscard]] virtual Metadata metadata() const { return {}; }
   /// Whether color_field() is in vain, as far as can be told before the work. Errors: kUsage.
   [[nodiscard]] virtual Status check_colors() const { return {}; }
-  /// The shape's own colors in an object that it filled; the shape must outlive them. Errors: kUsage (it has no
-  /// colors), those of reading them.
+  /// The shape's own colors in an object that it filled; the shape must outlive them. Errors: kUsage (it has
+  /// no colors), those of reading them.
   [[nodiscard]] virtual Result<ColorField> color_field(const CellObject& object, unsigned threads,
                                                        const Progress* progress) const;
 };
@@ -42,11 +43,11 @@ class ShapeSource {
 /// The tile that an input shows alone, as for --tile; none if the input is a shape to be filled.
 [[nodiscard]] std::optional<std::string> tile_of_input(const std::string& input);
 
-/// Reads or makes the input of `convert`, by what the file holds; remarks are added to `warnings`. Untrusted
-/// input: safe.
+/// Reads or makes the input of `convert`, by what the file holds; remarks are added to `warnings` and
+/// `notes`. Untrusted input: safe.
 [[nodiscard]] std::optional<Failure> read_shape(const ConvertCommand& command, const Progress& progress,
                                                 std::unique_ptr<ShapeSource>& shape,
-                                                std::vector<Warning>& warnings);
+                                                std::vector<Warning>& warnings, ReadNotes& notes);
 
 /// Whether ShapeSource::metadata() may have that key, so that --meta may not.
 [[nodiscard]] bool is_shape_key(std::string_view key);

@@ -26,6 +26,7 @@ struct Import {
   const std::string& file;
   const TileSourceOptions& options;
   const Progress& progress;
+  ReadNotes& notes;
 };
 
 constexpr Index3 kResolution{64, 64, 64};
@@ -40,8 +41,10 @@ Result<TileMap> import_meshes(const Import& import, TileReport& report) {
   const auto cells = choice_option(import.recipe, "cells", {"parts", "file"});
   if (!cells) return cells.error();
 
-  const Result<TriangleMesh> mesh = read_mesh_file(import.file, {}, nullptr, &import.progress);
+  MeshReadReport read;
+  const Result<TriangleMesh> mesh = read_mesh_file(import.file, {}, &read, &import.progress);
   if (!mesh) return mesh.error();
+  import.notes.add(read.notes);
   TilePlacement placement = place_tile(bounding_box(*mesh), *resolution, *size);
   if (*origin) placement.origin = **origin;
   const std::vector<TriangleMesh> parts =
@@ -67,9 +70,9 @@ Result<TileMap> import_labels(const Import& import, TileReport& report) {
     if (!resolution) return resolution.error();
     read.raw_resolution = *resolution;
   }
-  const Result<LabelVolume> volume = is_vdb_file(import.file)
-                                         ? read_label_grid(import)
-                                         : read_label_volume(import.file, read, &import.progress);
+  const Result<LabelVolume> volume =
+      is_vdb_file(import.file) ? read_label_grid(import)
+                               : read_label_volume(import.file, read, &import.progress, &import.notes);
   if (!volume) return volume.error();
   return make_label_tile(*volume, import.options.percolating, import.options.threads, &report,
                          &import.progress);
@@ -121,7 +124,8 @@ constexpr Importer kImporters[] = {
      ".vdb",
      {"file", "resolution", "grid"},
      "labels:file=slices/\n"
-     "    resolution=WxHxD is needed for .raw alone; grid=NAME: of a .vdb; --percolating says what is done with a cell that\n"
+     "    resolution=WxHxD is needed for .raw alone; grid=NAME: of a .vdb; --percolating says what is done "
+     "with a cell that\n"
      "    meets its own copy through the border",
      import_labels},
     {"heights",
@@ -163,6 +167,7 @@ void add_warnings(const TileReport& report, std::vector<Warning>& warnings) {
 
 std::optional<Failure> take_saved(const TileSource& source, SourcedTile& tile) {
   CellObject object;
+  tile.notes.files.insert(parse_asset_path(source.saved).file);
   if (auto failure = read_named_object(source.saved, object)) return failure;
   tile.recipe = std::filesystem::path(source.saved).filename().string();
   for (const auto& [key, value] : object.metadata) {
@@ -221,7 +226,9 @@ std::optional<Failure> make_sourced_tile(const TileSource& source, const TileSou
     const auto file = source.recipe.options.find("file");
     if (file == source.recipe.options.end())
       return usage(source.option, "a file is missing; write " + source.recipe.name + ":file=NAME");
-    Result<TileMap> made = importer.make({source.recipe, file->second, options, progress}, report);
+    tile.notes.files.insert(file->second);
+    Result<TileMap> made =
+        importer.make({source.recipe, file->second, options, progress, tile.notes}, report);
     if (made) return keep(std::move(made));
     return Failure{made.error(), made.error().code == ErrorCode::kUsage ? source.option : file->second};
   }

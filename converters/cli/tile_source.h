@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "converters/cli/console.h"
+#include "converters/import/read_notes.h"
 #include "format/cell_object.h"
 #include "sdk/author/cell_object.h"
 #include "sdk/core/progress.h"
@@ -35,6 +36,7 @@ struct SourcedTile {
   std::string color_recipe;  ///< of these colors, for the metadata; may be empty
   std::optional<NormalMap> normals;
   std::vector<Warning> warnings;
+  ReadNotes notes;
 };
 
 struct TileSourceOptions {

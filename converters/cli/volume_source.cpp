@@ -76,8 +76,8 @@ std::string source_text(const std::string& input, const std::string& grid, std::
 }
 
 /// Slices, or a volume texture: its longest side is 1 m.
-Result<SparseVolume> read_stack(const std::string& path, const Progress& progress) {
-  const Result<ScalarVolume> stack = read_scalar_volume(path, {}, &progress);
+Result<SparseVolume> read_stack(const std::string& path, const Progress& progress, ReadNotes& notes) {
+  const Result<ScalarVolume> stack = read_scalar_volume(path, {}, &progress, &notes);
   if (!stack) return stack.error();
   SparseVolume volume = make_sparse(stack->values, stack->resolution);
   const double edge = 1.0 / *std::max_element(stack->resolution.begin(), stack->resolution.end());
@@ -86,20 +86,21 @@ Result<SparseVolume> read_stack(const std::string& path, const Progress& progres
 }
 
 /// A volume that is one grid.
-Result<SparseVolume> read_one_grid(const std::string& path, const Progress& progress) {
-  if (is_scan(path)) return read_scan(path);
+Result<SparseVolume> read_one_grid(const std::string& path, const Progress& progress, ReadNotes& notes) {
+  if (is_scan(path)) return read_scan(path, {}, &notes);
   if (is_raw_volume(path))
     return Error{
         ErrorCode::kInvalidInput,
         "a .raw file does not say how many voxels it has, nor of what kind; write a MetaImage header "
         "(.mhd) that names it, and give that"};
-  return read_stack(path, progress);
+  return read_stack(path, progress, notes);
 }
 
 bool is_vdb(const std::string& path) { return is_vdb_file(path) || lower_extension(path) == ".vdb"; }
 
-Result<SparseVolume> read(const ConvertCommand& command, VdbReadReport& report, const Progress& progress) {
-  if (!is_vdb(command.input)) return read_one_grid(command.input, progress);
+Result<SparseVolume> read(const ConvertCommand& command, VdbReadReport& report, const Progress& progress,
+                          ReadNotes& notes) {
+  if (!is_vdb(command.input)) return read_one_grid(command.input, progress, notes);
   VdbReadOptions options;
   options.grid = command.grid.value_or("");
   return read_vdb(command.input, options, &report, &progress);
@@ -171,12 +172,12 @@ bool is_volume_input(const std::string& path) {
 }
 
 std::optional<Failure> read_volume_shape(const ConvertCommand& command, const Progress& progress,
-                                         std::unique_ptr<ShapeSource>& shape,
-                                         std::vector<Warning>& warnings) {
+                                         std::unique_ptr<ShapeSource>& shape, std::vector<Warning>& warnings,
+                                         ReadNotes& notes) {
   if (command.grid && !is_vdb(command.input))
     warnings.push_back({"option-unused", "--grid has no effect on what is one grid"});
   VdbReadReport report;
-  Result<SparseVolume> volume = read(command, report, progress);
+  Result<SparseVolume> volume = read(command, report, progress, notes);
   if (!volume)
     return Failure{volume.error(), volume.error().code == ErrorCode::kUsage ? "--grid" : command.input};
   if (!report.others.empty()) {
@@ -204,7 +205,8 @@ Result<nlohmann::ordered_json> describe_volume(const std::string& path, const Pr
   std::error_code ignored;
   const std::uint64_t file_bytes = std::filesystem::file_size(path, ignored);
   if (!is_vdb(path)) {
-    const Result<SparseVolume> volume = read_one_grid(path, progress);
+    ReadNotes unused;
+    const Result<SparseVolume> volume = read_one_grid(path, progress, unused);
     if (!volume) return volume.error();
     json["format"] = is_scan(path) ? volume->name : "slices";
     nlohmann::ordered_json grid;

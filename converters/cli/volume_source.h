@@ -22,7 +22,7 @@ namespace mesocell {
 [[nodiscard]] std::optional<Failure> read_volume_shape(const ConvertCommand& command,
                                                        const Progress& progress,
                                                        std::unique_ptr<ShapeSource>& shape,
-                                                       std::vector<Warning>& warnings);
+                                                       std::vector<Warning>& warnings, ReadNotes& notes);
 
 /// Reads the colors of a grid of a .vdb file, the first one of colors if none is named. Untrusted input:
 /// safe.

@@ -342,7 +342,7 @@ MesocellReadStatus read_pages(const PagesRequest& request, std::string& error) {
   const bool mixed = !first.channelformats.empty(), is_float = mixed || stored.is_floating_point();
   const bool as_floats = request.reader->as_floats != 0;
   if (!is_float && stored.size() > sizeof(uint32_t)) return failed("its integers have more than 32 bits");
-  if (input->seek_subimage(int(request.page_count), 0))
+  if (request.reader->first_only == 0 && input->seek_subimage(int(request.page_count), 0))
     return failed("it has more than " + std::to_string(request.page_count) + " pages or parts");
   (void)input->geterror();
   const std::vector<const char*> names = channel_names(first);

@@ -80,6 +80,8 @@ struct MesocellPageReader {
   /// 1: integers, too, are given as floats, as they stand in the file and not scaled, so exact to 24 bits;
   /// they may be negative.
   uint32_t as_floats;
+  /// 1: the first page alone is read; there may be others, of any kind.
+  uint32_t first_only;
   /// Called once, first. Returns room for one page: width × height × channel_count samples of 4 bytes, rows
   /// from the top, channels interleaved; or null to refuse.
   void* (*make_room)(void* context, const MesocellPagesHeader* header);
@@ -98,6 +100,6 @@ typedef int (*MesocellReadPages)(const char* path, const char* format, uint32_t 
                                  size_t message_bytes);
 
 /// Changes whenever this header does; a module of another version is not used.
-#define MESOCELL_IMAGE_MODULE_VERSION 5u
+#define MESOCELL_IMAGE_MODULE_VERSION 6u
 typedef uint32_t (*MesocellImageModuleVersion)(void);
 }

@@ -58,11 +58,11 @@ int take(void* context, std::uint32_t page) {
 
 Status read_pages(const std::string& path, const char* format, std::uint32_t page_count,
                   const PageSink& sink) {
-  assert(page_count > 0);
+  assert(page_count > 0 && (!sink.first_only || page_count == 1));
   const Result<ImageModule>& module = image_module();
   if (!module) return Error{ErrorCode::kUnreadable, module.error().message};
   Reading reading{&sink};
-  const MesocellPageReader reader{&reading, sink.as_floats ? 1u : 0u, make_room, take};
+  const MesocellPageReader reader{&reading, sink.as_floats ? 1u : 0u, sink.first_only ? 1u : 0u, make_room, take};
   std::array<char, 512> message{};
   const int status = module->read_pages(path.c_str(), format, page_count, kMaxTileBytes, &reader,
                                         message.data(), message.size());

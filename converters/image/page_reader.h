@@ -34,11 +34,13 @@ struct PageSink {
   /// Whether integers are wanted as floats of the same value, exact to 24 bits; only then may they be
   /// negative.
   bool as_floats = false;
+  /// Whether the first page is all that is wanted, whatever comes after it; `page_count` is then 1 (assert).
+  bool first_only = false;
 };
 
 /// Reads a picture with samples as they are in the file. `format` is the image library's name for what the
 /// file was found to be: "png", "tiff", "openexr", "hdr" or "jpeg"; no other is tried. It must have
-/// `page_count` pages or parts. Untrusted input: safe for a TIFF only after check_tiff(); the decoders are
+/// `page_count` pages or parts, unless the sink wants the first alone. Untrusted input: safe for a TIFF only after check_tiff(); the decoders are
 /// those of the image library. Errors: kUnreadable (the image module cannot be loaded), kInvalidInput, kLimit
 /// (no memory, large tiles), the sink's.
 [[nodiscard]] Status read_pages(const std::string& path, const char* format, std::uint32_t page_count,

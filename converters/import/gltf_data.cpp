@@ -177,7 +177,8 @@ void GltfData::read_accessors(const Json& in) {
     Json written = {{"componentType", *component}, {"count", *count}, {"type", accessor.type}};
     if (const Json* normalized = member(a, "normalized")) {
       if (!normalized->is_boolean()) gltf_fault(where, "has a 'normalized' that is neither true nor false");
-      written["normalized"] = *normalized;
+      accessor.normalized = normalized->get<bool>();
+      written["normalized"] = accessor.normalized;
     }
     const auto view = index_member(a, where, "bufferView", views_.size());
     if (view) {

@@ -19,6 +19,7 @@ class GltfData {
     std::uint64_t count = 0;
     int component = 0;      ///< glTF's number of the type
     std::string type;       ///< "VEC3"
+    bool normalized = false;
     bool has_data = false;  ///< else zeros, or a Draco stream's
   };
 

@@ -82,13 +82,14 @@ std::string decode_uri(const std::string& uri) {
 
 /// Reads a file of the scene's folder or below.
 Result<std::vector<std::byte>> read_beside(const fs::path& folder, const std::string& uri,
-                                           std::uint64_t max_bytes) {
+                                           std::uint64_t max_bytes, ReadNotes& notes) {
   const fs::path path = decode_uri(uri);
   const std::string text = path.string();
   const bool climbs = std::find(path.begin(), path.end(), "..") != path.end();
   if (path.empty() || path.is_absolute() || climbs || text.find(':') != text.npos ||
       text.find('\\') != text.npos || text.find('\0') != text.npos)
     return invalid("only files in the scene's folder and below are read; put it there and name it so");
+  notes.files.insert((folder / path).string());
   std::error_code error;
   const fs::path root = fs::canonical(folder, error);
   const fs::path full = error ? fs::path() : fs::canonical(root / path, error);
@@ -107,14 +108,14 @@ Result<WorkerMesh> take_mesh(const Result<std::vector<std::byte>>& reply) {
 }  // namespace
 
 Result<WorkerMesh> read_gltf(std::span<const std::byte> bytes, const std::string& path,
-                             std::uint64_t max_file_bytes, const Progress* progress) {
+                             std::uint64_t max_file_bytes, ReadNotes& notes, const Progress* progress) {
   const Result<GltfChunks> chunks = split(bytes);
   if (!chunks) return chunks.error();
   fs::path folder = fs::path(path).parent_path();
   if (folder.empty()) folder = ".";
   const ResourceReader read = [&](const std::string& uri) -> Result<std::vector<std::byte>> {
     if (progress && progress->cancelled()) return Error{ErrorCode::kCancelled, "interrupted"};
-    return read_beside(folder, uri, max_file_bytes);
+    return read_beside(folder, uri, max_file_bytes, notes);
   };
   std::vector<MeshWarning> warnings;
   const Result<std::vector<std::byte>> glb = normalize_gltf(chunks->json, chunks->binary, read, warnings);

@@ -17,10 +17,12 @@ constexpr int kMaxDepth = 64;
 constexpr std::size_t kMaxWarnings = 50;
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char* kTransform = "KHR_texture_transform";
+constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
 
 /// Extensions that may be required: those that are read, and those that change neither shape nor base color.
-constexpr std::array<std::string_view, 17> kKnown = {kDraco,
+constexpr std::array<std::string_view, 18> kKnown = {kDraco,
                                                      kTransform,
+                                                     kInstancing,
                                                      "KHR_mesh_quantization",
                                                      "KHR_materials_unlit",
                                                      "KHR_lights_punctual",
@@ -38,8 +40,7 @@ constexpr std::array<std::string_view, 17> kKnown = {kDraco,
                                                      "KHR_xmp_json_ld"};
 
 /// Extensions without which what is read differs from what is meant.
-constexpr std::array<std::string_view, 5> kMissed = {"EXT_mesh_gpu_instancing", "EXT_texture_webp",
-                                                     "KHR_texture_basisu",
+constexpr std::array<std::string_view, 4> kMissed = {"EXT_texture_webp", "KHR_texture_basisu",
                                                      "KHR_materials_pbrSpecularGlossiness", "MSFT_lod"};
 
 std::string numbered(const char* what, std::size_t i) { return std::string(what) + " " + std::to_string(i); }
@@ -314,6 +315,38 @@ class Normalizer {
     }
   }
 
+  /// Where a node's mesh stands how often: attributes that have an entry for each of the places.
+  Json instances(const Json& extension, const std::string& where) {
+    const Json* found = member(extension, "attributes");
+    if (!found || !found->is_object() || found->empty())
+      gltf_fault(where, "has instances without attributes");
+    const auto& accessors = data_->accessors();
+    if (accessors.empty()) gltf_fault(where, "has instances, but there are no accessors");
+    Json written = Json::object();
+    std::optional<std::uint64_t> count;
+    for (const auto& [name, value] : found->items()) {
+      const std::uint64_t index = whole(value, where, "attribute", accessors.size() - 1);
+      const GltfData::Accessor& accessor = accessors[index];
+      bool good = true, used = true;
+      if (name == "TRANSLATION" || name == "SCALE")
+        good = is_type(accessor, {"VEC3"}, {5126});
+      else if (name == "ROTATION")
+        good = is_type(accessor, {"VEC4"}, {5126}) ||
+               (is_type(accessor, {"VEC4"}, {5120, 5122}) && accessor.normalized);
+      else if (name == "_COLOR_0")
+        good = is_type(accessor, {"VEC3", "VEC4"}, {5121, 5123, 5126});
+      else
+        used = false;  // a program's own, but it says how many there are
+      if (!good) gltf_fault(where, "has an accessor of the wrong type for " + name + " of its instances");
+      if (used && !accessor.has_data) gltf_fault(where, "has instances with a " + name + " without data");
+      if (count.value_or(accessor.count) != accessor.count)
+        gltf_fault(where, "has attributes of instances of different lengths");
+      count = accessor.count;
+      written[name] = index;
+    }
+    return {{"attributes", std::move(written)}};
+  }
+
   void add_nodes() {
     const Json& nodes = array_member(in_, "nodes");
     const std::size_t meshes = array_member(in_, "meshes").size();
@@ -327,6 +360,9 @@ class Normalizer {
           written[key] = std::move(*numbers);
       if (const auto mesh = index_member(nodes[i], where, "mesh", meshes)) written["mesh"] = *mesh;
       deformed_ += member(nodes[i], "skin") != nullptr;
+      if (const Json* extensions = member(nodes[i], "extensions"))
+        if (const Json* instancing = member(*extensions, kInstancing))
+          written["extensions"][kInstancing] = instances(*instancing, where);
       for (const Json& child : array_member(nodes[i], "children")) {
         const std::size_t c = std::size_t(whole(child, where, "child", nodes.size() - 1));
         if (has_parent[c]) gltf_fault(numbered("node", c), "is the child of two");

@@ -96,7 +96,7 @@ Result<PaintedMesh> read_by_worker(const MeshFormat& format, std::span<const std
                                    const Progress* progress, MeshReadReport& found) {
   Result<WorkerMesh> read = format.kind == MeshKind::kDraco
                                 ? read_draco(bytes, progress)
-                                : read_gltf(bytes, path, options.max_file_bytes, progress);
+                                : read_gltf(bytes, path, options.max_file_bytes, found.notes, progress);
   if (!read) return read.error();
   found.polygons = read->polygons;
   found.dropped_faces = read->dropped_faces;
@@ -117,7 +117,7 @@ Result<PaintedMesh> read_plain(const MeshFormat& format, std::string_view bytes,
   if (!library) return library.error();
   plain->bytes = {};
   if (paint && options.texture.empty())
-    if (Status status = read_materials(path, *plain, found.warnings, progress); !status)
+    if (Status status = read_materials(path, *plain, found.warnings, found.notes, progress); !status)
       return status.error();
   PaintedMesh painted;
   painted.paint = std::move(plain->paint);
@@ -143,11 +143,13 @@ Result<PaintedMesh> read(const std::string& path, const MeshReadOptions& options
                                     : read_by_worker(**format, *file, path, options, progress, found);
   if (!painted) return painted;
   if (Status status = check_mesh(painted->mesh, found.polygons, **format); !status) return status.error();
-  if (paint && !options.texture.empty())
+  if (paint && !options.texture.empty()) {
+    found.notes.files.insert(options.texture);
     if (Status status =
             use_texture(options.texture, painted->mesh.triangles.size(), painted->paint, progress);
         !status)
       return status.error();
+  }
   found.vertex_colors = !painted->mesh.colors.empty();
   if (report) *report = std::move(found);
   return painted;

@@ -6,6 +6,7 @@
 
 #include "converters/import/mesh_warning.h"
 #include "converters/import/painted_mesh.h"
+#include "converters/import/read_notes.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
 #include "sdk/core/triangle_mesh.h"
@@ -14,8 +15,8 @@ namespace mesocell {
 
 struct MeshReadOptions {
   std::uint64_t max_file_bytes = std::uint64_t{1} << 32;  ///< larger files are refused (kLimit)
-  /// A picture that colors the mesh by its texture coordinates, instead of its materials; empty: they do. Where
-  /// there are no coordinates it is kUsage. Only read_painted_mesh() looks at it.
+  /// A picture that colors the mesh by its texture coordinates, instead of its materials; empty: they do.
+  /// Where there are no coordinates it is kUsage. Only read_painted_mesh() looks at it.
   std::string texture = {};
 };
 
@@ -27,6 +28,7 @@ struct MeshReadReport {
   std::uint64_t dropped_faces = 0;  ///< triangles left out because two of their corners are the same vertex
   bool vertex_colors = false;       ///< whether the file has colors of vertices
   std::vector<MeshWarning> warnings;
+  ReadNotes notes;
 };
 
 /// The extensions that read_mesh_file() knows, for messages and help texts.
@@ -52,7 +54,8 @@ inline constexpr const char* kMeshExtensions = ".obj, .off, .ply, .stl, .gltf, .
 ///
 /// Materials: Kd and map_Kd of an OBJ's MTL, a PLY's TextureFile with texture coordinates of faces or
 /// vertices, base color and its texture of a glTF. Pictures may be PNG, JPEG, BMP or TGA, those of OBJ and
-/// PLY also EXR and HDR. What is missing is a warning.
+/// PLY also TIFF, EXR and HDR, of which the first page or part is taken; they are told by their content. What
+/// is missing is a warning.
 ///
 /// Untrusted input: safe. Memory is at most a small multiple of the size of the file and of those that it
 /// names. Errors, all with a remedy: kUnreadable, kInvalidInput (not a mesh, counts beyond the file's end,

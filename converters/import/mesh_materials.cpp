@@ -6,14 +6,15 @@
 #include <optional>
 #include <string_view>
 
-#include "converters/image/image_reader.h"
+#include "converters/image/page_reader.h"
 #include "converters/import/gltf_file.h"
 #include "converters/import/mesh_message.h"
 #include "converters/import/mesh_text.h"
 #include "converters/import/mtl.h"
+#include "converters/import/picture_file.h"
 #include "converters/import/plain_file.h"
 #include "converters/import/sniff.h"
-#include "sdk/core/srgb.h"
+#include "converters/import/volume_slices.h"
 
 namespace mesocell {
 namespace {
@@ -21,43 +22,78 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMaxMtlBytes = std::uint64_t{1} << 28, kMaxPictureBytes = std::uint64_t{1} << 31;
+/// Of a TIFF, whose first counts.
+constexpr std::uint32_t kMaxPages = 1024;
 constexpr std::size_t kMaxWarnings = 20;
 
-/// Pictures that the worker does not know come by the image library.
+/// Which channels are a picture's color. Of one with more than that, such as depths, those that are named so.
+std::optional<ColorChannels> texture_channels(const PageHeader& header) {
+  if (auto channels = color_channels(header)) return channels;
+  const auto gray = std::find(header.channels.begin(), header.channels.end(), "Y");
+  if (gray == header.channels.end()) return std::nullopt;
+  const auto index = std::size_t(gray - header.channels.begin());
+  return ColorChannels{true, {index, index, index}};
+}
+
+/// The first page of a picture that the worker does not know, by the image library.
+Result<TextureImage> read_first_page(const std::string& path, const Progress* progress) {
+  const Result<PictureFile> picture = examine_picture(
+      path, {.max_file_bytes = kMaxPictureBytes, .max_pages = kMaxPages, .max_side = kMaxTextureSide});
+  if (!picture) return picture.error();
+  TextureImage texture;
+  PageHeader page;
+  ColorChannels channels;
+  PageSink sink;
+  sink.first_only = true;
+  sink.begin = [&](const PageHeader& header) -> Status {
+    const auto found = texture_channels(header);
+    if (!found) return Error{ErrorCode::kInvalidInput, "it is neither gray nor RGB; save it as one of these"};
+    if (header.width > kMaxTextureSide || header.height > kMaxTextureSide ||
+        std::uint64_t{header.width} * header.height >
+            3 * kMaxTexels / std::max<std::size_t>(header.channels.size(), 3))
+      return Error{ErrorCode::kLimit, "it has " + std::to_string(header.width) + " x " +
+                                          std::to_string(header.height) + " pixels of " +
+                                          std::to_string(header.channels.size()) +
+                                          " channels, more than are read for a mesh; use a smaller one"};
+    if (progress && progress->cancelled()) return cancelled();
+    page = header;
+    channels = *found;
+    return {};
+  };
+  sink.take = [&](std::uint32_t, PageSamples samples) -> Status {
+    texture = {page.width, page.height, {}};
+    texture.texels.reserve(std::size_t{page.width} * page.height);
+    for (std::size_t i = 0; i < samples.size(); i += page.channels.size()) {
+      Rgb8 texel{};
+      for (std::size_t k = 0; k < 3; ++k) texel[k] = srgb8_of_sample(page, samples[i + channels.index[k]]);
+      texture.texels.push_back(texel);
+    }
+    return {};
+  };
+  if (Status status = read_pages(path, picture->format, 1, sink); !status) return status.error();
+  return texture;
+}
+
+/// Whatever its name, a picture is what it begins as.
 Result<TextureImage> read_texture(const std::string& path, const Progress* progress) {
   const Result<std::vector<std::byte>> bytes = read_plain_file(path, kMaxPictureBytes);
   if (!bytes) return bytes.error();
   const std::string_view content =
       sniff_content({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
-  if (content == kExrContent || content == kHdrContent || content == kTiffContent) {
-    Result<Image> image = read_image_file(path, {kMaxPictureBytes, kMaxTexels * 12, 64});
-    if (!image) return image.error();
-    to_linear(*image);
-    std::array<std::size_t, 3> channels{};
-    const auto gray = find_channel(*image, "Y");
-    constexpr std::array<std::string_view, 3> kNames = {"R", "G", "B"};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto channel = find_channel(*image, kNames[k]);
-      if (!channel && !gray)
-        return Error{ErrorCode::kInvalidInput, "it has no channels R, G and B; save it with them"};
-      channels[k] = channel ? *channel : *gray;
-    }
-    TextureImage texture{image->width, image->height, {}};
-    const std::size_t step = image->channels.size();
-    for (std::size_t i = 0; i < image->pixels.size(); i += step)
-      texture.texels.push_back(
-          linear_to_srgb8(Vec3{double{image->pixels[i + channels[0]]}, double{image->pixels[i + channels[1]]},
-                               double{image->pixels[i + channels[2]]}}));
-    return texture;
-  }
+  if (content == kExrContent || content == kHdrContent || content == kTiffContent)
+    return read_first_page(path, progress);
   return decode_texture(*bytes, progress);
 }
 
 class MaterialReader {
  public:
   MaterialReader(const std::string& path, PlainMesh& mesh, std::vector<MeshWarning>& warnings,
-                 const Progress* progress)
-      : folder_(fs::path(path).parent_path()), mesh_(mesh), warnings_(warnings), progress_(progress) {}
+                 ReadNotes& notes, const Progress* progress)
+      : folder_(fs::path(path).parent_path()),
+        mesh_(mesh),
+        warnings_(warnings),
+        notes_(notes),
+        progress_(progress) {}
 
   Status read() {
     SurfacePaint& paint = mesh_.paint;
@@ -110,6 +146,7 @@ class MaterialReader {
         names.emplace_back(word);
     }
     for (const std::string& file : names) {
+      notes_.files.insert(place(file));
       const Result<std::vector<std::byte>> bytes = read_plain_file(place(file), kMaxMtlBytes);
       if (!bytes) {
         warn("material-missing", "the materials " + file + " cannot be read: " + bytes.error().message);
@@ -126,6 +163,7 @@ class MaterialReader {
     if (mesh_.paint.uvs.empty()) return;
     const auto [known, is_new] = images_.try_emplace(place(name));
     if (is_new) {
+      notes_.files.insert(known->first);
       Result<TextureImage> image = read_texture(known->first, progress_);
       if (image && image->texels.size() > kMaxTexels - texels_)
         image = Error{ErrorCode::kLimit, "the pictures have too many pixels together; use smaller ones"};
@@ -143,6 +181,7 @@ class MaterialReader {
   fs::path folder_;
   PlainMesh& mesh_;
   std::vector<MeshWarning>& warnings_;
+  ReadNotes& notes_;
   const Progress* progress_;
   std::map<std::string, std::optional<std::uint32_t>> images_;  ///< by where they are
   std::uint64_t texels_ = 0;
@@ -151,8 +190,8 @@ class MaterialReader {
 }  // namespace
 
 Status read_materials(const std::string& path, PlainMesh& mesh, std::vector<MeshWarning>& warnings,
-                      const Progress* progress) {
-  return MaterialReader(path, mesh, warnings, progress).read();
+                      ReadNotes& notes, const Progress* progress) {
+  return MaterialReader(path, mesh, warnings, notes, progress).read();
 }
 
 Status use_texture(const std::string& picture, std::uint64_t triangles, SurfacePaint& paint,

@@ -59,6 +59,7 @@ struct Reading {
   const VolumeReadOptions& options;
   const Progress* progress;
   VolumeSlices& slices;
+  ReadNotes* notes;        ///< may be null
   Index3 resolution{};     ///< z is known from the start, x and y from the first slice
   std::uint32_t done = 0;  ///< slices
 
@@ -132,6 +133,7 @@ Status read_stack(const std::string& folder, Reading& reading) {
       return error;
     };
     const std::string path = (std::filesystem::path(folder) / name).string();
+    if (reading.notes) reading.notes->files.insert(path);
     const Result<PictureFile> picture = examine_picture(path, limits(reading.options));
     if (!picture) return in_slice(in_volume(picture.error()));
     if (picture->pages != 1)
@@ -198,9 +200,9 @@ bool is_raw_volume(const std::string& path) {
 }
 
 Result<LabelVolume> read_label_volume(const std::string& path, const VolumeReadOptions& options,
-                                      const Progress* progress) {
+                                      const Progress* progress, ReadNotes* notes) {
   LabelSlices slices;
-  Reading reading{options, progress, slices};
+  Reading reading{options, progress, slices, notes};
   const auto append = [&](std::span<const std::byte> bytes, std::uint32_t size) {
     for (std::size_t i = 0; i < bytes.size(); i += size) {
       std::uint32_t label = 0;
@@ -216,9 +218,9 @@ Result<LabelVolume> read_label_volume(const std::string& path, const VolumeReadO
 }
 
 Result<ColorMap> read_color_volume(const std::string& path, const VolumeReadOptions& options,
-                                   const Progress* progress) {
+                                   const Progress* progress, ReadNotes* notes) {
   ColorSlices slices;
-  Reading reading{options, progress, slices};
+  Reading reading{options, progress, slices, notes};
   const auto append = [&](std::span<const std::byte> bytes, std::uint32_t size) {
     for (std::size_t i = 0; i < bytes.size(); i += size) {
       const auto channel = [&](std::size_t k) { return std::uint8_t(bytes[i + (size == 3 ? k : 0)]); };
@@ -233,9 +235,9 @@ Result<ColorMap> read_color_volume(const std::string& path, const VolumeReadOpti
 }
 
 Result<ScalarVolume> read_scalar_volume(const std::string& path, const VolumeReadOptions& options,
-                                        const Progress* progress) {
+                                        const Progress* progress, ReadNotes* notes) {
   ScalarSlices slices;
-  Reading reading{options, progress, slices};
+  Reading reading{options, progress, slices, notes};
   const auto append = [&](std::span<const std::byte> bytes, std::uint32_t size) {
     for (std::size_t i = 0; i < bytes.size(); i += size) {
       std::uint32_t value = 0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "converters/import/read_notes.h"
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
@@ -52,10 +53,11 @@ inline constexpr const char* kVolumeAxes =
 /// page takes at most 64 MB, the volume 4 bytes a voxel. Errors, all with a remedy: kUsage (.raw without a
 /// resolution), kUnreadable (missing, no plain file, no image module), kInvalidInput (not one of the above,
 /// damaged, too few slices, sizes that differ, values that are not labels, lossy compression), kLimit,
-/// kCancelled (found between slices).
+/// kCancelled (found between slices). `notes`: the files of a folder.
 [[nodiscard]] Result<LabelVolume> read_label_volume(const std::string& path,
                                                     const VolumeReadOptions& options = {},
-                                                    const Progress* progress = nullptr);
+                                                    const Progress* progress = nullptr,
+                                                    ReadNotes* notes = nullptr);
 
 /// Reads a volume of colors, 1 to 1024 voxels along each axis; a single picture is one slice. Sources, axes
 /// and errors are those of read_label_volume(), but: gray becomes R = G = B; alpha is ignored; sRGB of 8 bits
@@ -64,7 +66,8 @@ inline constexpr const char* kVolumeAxes =
 /// tells.
 [[nodiscard]] Result<ColorMap> read_color_volume(const std::string& path,
                                                  const VolumeReadOptions& options = {},
-                                                 const Progress* progress = nullptr);
+                                                 const Progress* progress = nullptr,
+                                                 ReadNotes* notes = nullptr);
 
 /// Numbers on a grid, of which a surface can be taken.
 struct ScalarVolume {
@@ -77,7 +80,8 @@ struct ScalarVolume {
 /// tells. Errors are those.
 [[nodiscard]] Result<ScalarVolume> read_scalar_volume(const std::string& path,
                                                       const VolumeReadOptions& options = {},
-                                                      const Progress* progress = nullptr);
+                                                      const Progress* progress = nullptr,
+                                                      ReadNotes* notes = nullptr);
 
 /// Whether a path is several slices, by what is there: a folder, a TIFF of several pages or a volume texture.
 [[nodiscard]] bool is_slice_stack(const std::string& path);

@@ -49,6 +49,13 @@ std::optional<ColorChannels> color_channels(const PageHeader& header) {
   return found;
 }
 
+std::uint8_t srgb8_of_sample(const PageHeader& header, std::uint32_t sample) {
+  if (header.is_float) return linear_to_srgb8(double{float_sample(sample)});
+  const std::uint64_t white = (std::uint64_t{1} << header.bits) - 1;
+  if (header.encoding != ImageEncoding::kSrgb) return linear_to_srgb8(double(sample) / double(white));
+  return std::uint8_t((sample * std::uint64_t{255} + white / 2) / white);
+}
+
 Status LabelSlices::begin(const Index3& resolution) try {
   volume.resolution = resolution;
   volume.labels.reserve(volume.voxel_count());
@@ -128,16 +135,9 @@ Status ColorSlices::check(const PageHeader& header, std::uint32_t) {
 }
 
 Status ColorSlices::append(PageSamples samples) {
-  const std::uint64_t white = header_.is_float ? 1 : (std::uint64_t{1} << header_.bits) - 1;
-  const bool srgb = header_.encoding == ImageEncoding::kSrgb;
-  const auto encode = [&](std::uint32_t sample) {
-    if (header_.is_float) return linear_to_srgb8(double{float_sample(sample)});
-    if (!srgb) return linear_to_srgb8(double(sample) / double(white));
-    return std::uint8_t((sample * std::uint64_t{255} + white / 2) / white);
-  };
   for_each_pixel(header_, samples, [&](const std::uint32_t* pixel, std::uint32_t, std::uint32_t) {
     Rgb8 color{};
-    for (std::size_t k = 0; k < 3; ++k) color[k] = encode(pixel[channels_.index[k]]);
+    for (std::size_t k = 0; k < 3; ++k) color[k] = srgb8_of_sample(header_, pixel[channels_.index[k]]);
     map.voxels.push_back(color);
   });
   return {};

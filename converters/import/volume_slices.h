@@ -33,6 +33,9 @@ struct ColorChannels {
 };
 [[nodiscard]] std::optional<ColorChannels> color_channels(const PageHeader& header);
 
+/// A sample of such a channel in 8-bit sRGB: rounded, and turned from linear light where it is in that.
+[[nodiscard]] std::uint8_t srgb8_of_sample(const PageHeader& header, std::uint32_t sample);
+
 /// Labels: gray values as they are, or r + 256 g + 65536 b of 8-bit colors.
 class LabelSlices final : public VolumeSlices {
  public:

@@ -15,23 +15,7 @@ Error broken(const std::string& why) {
   return {ErrorCode::kInvalidInput, "the scene is damaged (" + why + "); fetch or export it again"};
 }
 
-using Element = std::array<double, 4>;
-
-/// The greatest value of a component type; 1 of floats.
-double full_value(int component) {
-  switch (component) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return 127;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return 255;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return 32767;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return 65535;
-    default:
-      return 1;
-  }
-}
+using Element = GltfElement;
 
 /// Elements of a buffer view, or nothing if they are not all there.
 class ViewReader {
@@ -80,8 +64,24 @@ class ViewReader {
   int component_ = 0;
 };
 
-/// All elements of an accessor, normalized if it is so.
-Result<std::vector<Element>> read_accessor(const tinygltf::Model& model, int index) {
+}  // namespace
+
+double full_value(int component) {
+  switch (component) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return 127;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return 255;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return 32767;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return 65535;
+    default:
+      return 1;
+  }
+}
+
+Result<std::vector<GltfElement>> read_accessor(const tinygltf::Model& model, int index) {
   if (index < 0 || std::size_t(index) >= model.accessors.size()) return broken("an accessor is not there");
   const tinygltf::Accessor& accessor = model.accessors[std::size_t(index)];
   const int components = tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type));
@@ -122,6 +122,8 @@ Result<std::vector<Element>> read_accessor(const tinygltf::Model& model, int ind
   }
   return elements;
 }
+
+namespace {
 
 void set_positions(const std::vector<Element>& from, GltfPrimitive& out) {
   for (const Element& e : from) out.positions.push_back({e[0], e[1], e[2]});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "format/result.h"
@@ -24,6 +25,14 @@ struct GltfPrimitive {
   std::vector<Uv> uvs;       ///< one a position, or none
   std::vector<Triangle> triangles;
 };
+
+/// All elements of an accessor, normalized if it is so; components that there are not are 0. All ranges are
+/// checked again. Errors: kInvalidInput.
+using GltfElement = std::array<double, 4>;
+[[nodiscard]] Result<std::vector<GltfElement>> read_accessor(const tinygltf::Model& model, int index);
+
+/// The greatest value of a component type; 1 of floats.
+[[nodiscard]] double full_value(int component);
 
 /// Reads a primitive's accessors, sparse ones too, or its Draco stream; strips and fans become triangles.
 /// `set`: of texture coordinates that are wanted, -1 for none. All ranges are checked again. Errors:

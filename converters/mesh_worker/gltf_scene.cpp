@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 
+#include "converters/import/fan.h"
 #include "converters/import/mesh_message.h"
 #include "converters/mesh_worker/gltf_accessor.h"
 #include "converters/mesh_worker/texture_decoder.h"
@@ -24,6 +26,20 @@ struct Placement {
   [[nodiscard]] Vec3 turn(Vec3 p) const { return axes[0] * p.x + axes[1] * p.y + axes[2] * p.z; }
   [[nodiscard]] Vec3 apply(Vec3 p) const { return turn(p) + origin; }
   [[nodiscard]] bool mirrors() const { return dot(cross(axes[0], axes[1]), axes[2]) < 0; }
+
+  /// [glTF 5.28: x, y, z, w]
+  void rotate(double x, double y, double z, double w) {
+    const double n = x * x + y * y + z * z + w * w, s = n > 0 ? 2 / n : 0;
+    axes[0] = {1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)};
+    axes[1] = {s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)};
+    axes[2] = {s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)};
+  }
+};
+
+/// One of the places of a node's mesh, within the node [EXT_mesh_gpu_instancing].
+struct Instance {
+  Placement placement;
+  std::optional<Vec3> tint;  ///< linear light
 };
 
 Placement operator*(const Placement& outer, const Placement& inner) {
@@ -41,18 +57,17 @@ Placement placement_of(const tinygltf::Node& node) {
     p.origin = {m[12], m[13], m[14]};
     return p;
   }
-  if (node.rotation.size() == 4) {
-    const double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
-    const double n = x * x + y * y + z * z + w * w, s = n > 0 ? 2 / n : 0;
-    p.axes[0] = {1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)};
-    p.axes[1] = {s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)};
-    p.axes[2] = {s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)};
-  }
+  if (node.rotation.size() == 4)
+    p.rotate(node.rotation[0], node.rotation[1], node.rotation[2], node.rotation[3]);
   if (node.scale.size() == 3)
     for (std::size_t k = 0; k < 3; ++k) p.axes[k] = p.axes[k] * node.scale[k];
   if (node.translation.size() == 3)
     p.origin = {node.translation[0], node.translation[1], node.translation[2]};
   return p;
+}
+
+Error broken(const std::string& why) {
+  return {ErrorCode::kInvalidInput, "the scene cannot be understood (" + why + "); export it again"};
 }
 
 TextureWrap wrap_of(int mode) {
@@ -135,35 +150,135 @@ class SceneMesh {
                            [](const PaintMaterial& m) { return m.texture.has_value(); });
   }
 
-  Status add(const tinygltf::Primitive& primitive, const Placement& placement) {
+  /// Adds a node's mesh once, or wherever its instances are.
+  Status add(const tinygltf::Node& node, const Placement& placement) {
+    if (node.mesh < 0 || std::size_t(node.mesh) >= model_.meshes.size()) return {};
+    const std::vector<tinygltf::Primitive>& primitives = model_.meshes[std::size_t(node.mesh)].primitives;
+    std::vector<const GltfPrimitive*> read;
+    std::uint64_t triangles = 0, vertices = 0;
+    for (const tinygltf::Primitive& primitive : primitives) {
+      const Result<const GltfPrimitive*> found = find(primitive);
+      if (!found) return found.error();
+      read.push_back(*found);
+      triangles += read.back()->triangles.size();
+      vertices += read.back()->positions.size();
+    }
+    const auto instancing = node.extensions.find("EXT_mesh_gpu_instancing");
+    if (instancing == node.extensions.end()) {
+      if (Status status = check_room(1, triangles, vertices); !status) return status;
+      for (std::size_t i = 0; i < read.size(); ++i)
+        if (Status status = place(primitives[i], *read[i], placement, nullptr); !status) return status;
+      return {};
+    }
+    // Before memory is taken for the places.
+    const tinygltf::Value& attributes = instancing->second.Get("attributes");
+    const std::uint64_t count = instance_count(attributes);
+    if (Status status = check_room(count, triangles, vertices); !status) return status;
+    if (triangles == 0) return {};
+    const Result<std::vector<Instance>> instances = read_instances(attributes, std::size_t(count));
+    if (!instances) return instances.error();
+    for (const Instance& instance : *instances)
+      for (std::size_t i = 0; i < read.size(); ++i)
+        if (Status status = place(primitives[i], *read[i], placement, &instance); !status) return status;
+    return {};
+  }
+
+ private:
+  /// A primitive, which several nodes may share.
+  Result<const GltfPrimitive*> find(const tinygltf::Primitive& primitive) {
     const auto [known, is_new] = primitives_.try_emplace(&primitive);
     if (is_new) {
       Result<GltfPrimitive> made = read_primitive(model_, primitive, texture_set(primitive));
       if (!made) return made.error();
       known->second = std::move(*made);
     }
-    const GltfPrimitive* const read = &known->second;
+    return &known->second;
+  }
+
+  /// Whether so many more can be added `count` times.
+  [[nodiscard]] Status check_room(std::uint64_t count, std::uint64_t triangles,
+                                  std::uint64_t vertices) const {
+    const TriangleMesh& mesh = out_.painted.mesh;
+    const auto fits = [count](std::uint64_t each, std::uint64_t there, std::uint64_t most) {
+      return there <= most && (each == 0 || count <= (most - there) / each);
+    };
+    if (fits(triangles, mesh.triangles.size(), kMaxTriangles) &&
+        fits(vertices, mesh.vertices.size(), kMaxMeshElements))
+      return {};
+    return Error{ErrorCode::kLimit, "the scene has more than " + std::to_string(kMaxTriangles) +
+                                        " triangles or " + std::to_string(kMaxMeshElements) + " vertices" +
+                                        (count > 1 ? " with all instances of its meshes" : "") +
+                                        "; use a smaller one"};
+  }
+
+  /// As all attributes have it.
+  [[nodiscard]] std::uint64_t instance_count(const tinygltf::Value& attributes) const {
+    for (const std::string& name : attributes.IsObject() ? attributes.Keys() : std::vector<std::string>()) {
+      const int index = attributes.Get(name).GetNumberAsInt();
+      if (index >= 0 && std::size_t(index) < model_.accessors.size())
+        return model_.accessors[std::size_t(index)].count;
+    }
+    return 0;
+  }
+
+  [[nodiscard]] Result<std::vector<Instance>> read_instances(const tinygltf::Value& attributes,
+                                                             std::size_t count) const {
+    std::vector<Instance> instances(count);
+    // Scale comes last, as it goes to the axes that the rotation makes.
+    for (const char* name : {"TRANSLATION", "ROTATION", "SCALE", "_COLOR_0"}) {
+      if (!attributes.Has(name)) continue;
+      const int index = attributes.Get(name).GetNumberAsInt();
+      const Result<std::vector<GltfElement>> values = read_accessor(model_, index);
+      if (!values) return values.error();
+      if (values->size() != count) return broken("attributes of instances have different lengths");
+      const tinygltf::Accessor& accessor = model_.accessors[std::size_t(index)];
+      const double full = accessor.normalized ? 1 : full_value(accessor.componentType);
+      for (std::size_t i = 0; i < count; ++i) {
+        const GltfElement& e = (*values)[i];
+        Placement& placement = instances[i].placement;
+        switch (name[0]) {
+          case 'T':
+            placement.origin = {e[0], e[1], e[2]};
+            break;
+          case 'R':
+            placement.rotate(e[0], e[1], e[2], e[3]);
+            break;
+          case 'S':
+            for (std::size_t k = 0; k < 3; ++k) placement.axes[k] = placement.axes[k] * e[k];
+            break;
+          default:
+            instances[i].tint = Vec3{e[0], e[1], e[2]} / full;
+        }
+      }
+    }
+    return instances;
+  }
+
+  Status place(const tinygltf::Primitive& primitive, const GltfPrimitive& read, const Placement& placement,
+               const Instance* instance) {
     TriangleMesh& mesh = out_.painted.mesh;
     SurfacePaint& paint = out_.painted.paint;
-    if (mesh.triangles.size() + read->triangles.size() > kMaxTriangles ||
-        mesh.vertices.size() + read->positions.size() > 0x7fff'fff0)
-      return Error{ErrorCode::kLimit, "the scene has more than " + std::to_string(kMaxTriangles) +
-                                          " triangles; use a smaller one"};
     const std::uint32_t first = std::uint32_t(mesh.vertices.size());
-    for (const Vec3& p : read->positions) {
-      const Vec3 placed = placement.apply(p);
+    for (const Vec3& p : read.positions) {
+      // One after the other, so that what meets in the node's own numbers does so to the bit.
+      const Vec3 placed = placement.apply(instance ? instance->placement.apply(p) : p);
       if (!is_finite(placed))
         return Error{ErrorCode::kInvalidInput,
                      "the scene has a vertex whose place is not finite (NaN or infinite); repair it"};
       mesh.vertices.push_back(placed);
     }
-    if (!read->colors.empty() && mesh.colors.empty()) mesh.colors.assign(first, kWhite);
-    for (const Vec3& color : read->colors) mesh.colors.push_back(linear_to_srgb8(color));
-    if (!mesh.colors.empty()) mesh.colors.resize(mesh.vertices.size(), kWhite);
+    const bool tinted = instance && instance->tint;
+    const Vec3 tint = tinted ? *instance->tint : Vec3{1, 1, 1};
+    if (tinted || !read.colors.empty() || !mesh.colors.empty()) {
+      mesh.colors.resize(first, kWhite);
+      for (const Vec3& c : read.colors)
+        mesh.colors.push_back(linear_to_srgb8(Vec3{c.x * tint.x, c.y * tint.y, c.z * tint.z}));
+      mesh.colors.resize(mesh.vertices.size(), linear_to_srgb8(tint));
+    }
 
-    const bool mirrors = placement.mirrors();
-    out_.polygons += read->triangles.size();
-    for (Triangle t : read->triangles) {
+    const bool mirrors = placement.mirrors() != (instance && instance->placement.mirrors());
+    out_.polygons += read.triangles.size();
+    for (Triangle t : read.triangles) {
       if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
         ++out_.dropped_faces;
         continue;
@@ -171,7 +286,7 @@ class SceneMesh {
       if (mirrors) std::swap(t[1], t[2]);
       if (has_uvs_) {
         std::array<Uv, 3> uvs{};
-        for (std::size_t k = 0; k < 3 && !read->uvs.empty(); ++k) uvs[k] = read->uvs[t[k]];
+        for (std::size_t k = 0; k < 3 && !read.uvs.empty(); ++k) uvs[k] = read.uvs[t[k]];
         paint.uvs.push_back(uvs);
       }
       if (!paint.materials.empty())
@@ -184,7 +299,6 @@ class SceneMesh {
     return {};
   }
 
- private:
   /// Of its material's texture; -1 if it needs no texture coordinates.
   [[nodiscard]] int texture_set(const tinygltf::Primitive& primitive) const {
     const auto& materials = out_.painted.paint.materials;
@@ -198,10 +312,6 @@ class SceneMesh {
   std::map<const tinygltf::Primitive*, GltfPrimitive> primitives_;  ///< nodes may share meshes
   bool has_uvs_ = false;
 };
-
-Error broken(const std::string& why) {
-  return {ErrorCode::kInvalidInput, "the scene cannot be understood (" + why + "); export it again"};
-}
 
 }  // namespace
 
@@ -235,9 +345,7 @@ Result<WorkerMesh> read_gltf_scene(std::span<const std::byte> glb) {
       return broken("nodes are no tree");
     const tinygltf::Node& node = model.nodes[visit.node];
     const Placement placement = visit.placement * placement_of(node);
-    if (node.mesh >= 0 && std::size_t(node.mesh) < model.meshes.size())
-      for (const tinygltf::Primitive& primitive : model.meshes[std::size_t(node.mesh)].primitives)
-        if (Status status = scene.add(primitive, placement); !status) return status.error();
+    if (Status status = scene.add(node, placement); !status) return status.error();
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
       open.push_back({std::size_t(*child), placement});
   }

@@ -245,7 +245,7 @@ Result<ScanHead> parse_scan_head(std::span<const std::byte> bytes, const ScanRea
                               "give it the extension of what it is");
 }
 
-Result<SparseVolume> read_scan(const std::string& path, const ScanReadOptions& options) {
+Result<SparseVolume> read_scan(const std::string& path, const ScanReadOptions& options, ReadNotes* notes) {
   constexpr std::uint64_t kMaxBytes = ~std::uint64_t{0};
   Result<InputFile> file = InputFile::open(path, kMaxBytes);
   if (!file) return file.error();
@@ -257,6 +257,7 @@ Result<SparseVolume> read_scan(const std::string& path, const ScanReadOptions& o
   std::optional<Result<InputFile>> beside;
   if (!head->data_file.empty()) {
     const std::filesystem::path data = std::filesystem::path(path).parent_path() / head->data_file;
+    if (notes) notes->files.insert(data.string());
     beside.emplace(InputFile::open(data.string(), kMaxBytes));
     if (!*beside)
       return Error{beside->error().code,

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "converters/import/read_notes.h"
 #include "converters/vdb/sparse_volume.h"
 #include "format/result.h"
 
@@ -45,9 +46,10 @@ inline constexpr const char* kScanExtensions = ".mhd, .mha, .inr";
 /// Reads a scan, samples of a scalar in a box: a MetaImage, whose numbers follow its head or are in a file
 /// beside it, or an INRIMAGE-4. Of 3 dimensions and one channel, uncompressed, numbers of 8 or 16 bits or
 /// floats; with spacing and offset, axes that are turned are refused. The first sample is at the offset;
-/// beyond the samples all is as the least of them.
+/// beyond the samples all is as the least of them. `notes`: the file beside it.
 /// Untrusted input: safe; the size of the file is checked before memory is taken. Errors: kUnreadable,
 /// kInvalidInput, kLimit.
-[[nodiscard]] Result<SparseVolume> read_scan(const std::string& path, const ScanReadOptions& options = {});
+[[nodiscard]] Result<SparseVolume> read_scan(const std::string& path, const ScanReadOptions& options = {},
+                                             ReadNotes* notes = nullptr);
 
 }  // namespace mesocell

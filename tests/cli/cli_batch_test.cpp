@@ -3,17 +3,21 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "tests/cli/run_command.h"
 #include "tests/import/mesh_bytes.h"
+#include "tests/import/picture_bytes.h"
 #include "tests/support/catch.h"
 #include "tests/support/shapes.h"
 
 using namespace mesocell;
 using namespace mesocell::test;
+using nlohmann::json;
 
 namespace {
 
@@ -61,6 +65,115 @@ TEST_CASE("a batch makes every file, and leaves those that are up to date") {
   run = convert({ball, box, "shape:torus", out},
                 {"--json", "--rule", "conservative", "--force", "--jobs", "1"});
   CHECK(run.json()["made"] == 3);
+}
+
+TEST_CASE("a batch makes again what was made of a file that changed beside its input") {
+  const TempFolder folder;
+  const PlainPicture red{1, 1, 3, {255, 0, 0}}, blue{1, 1, 3, {0, 0, 255}};
+  const std::string texture = folder.write("skin.png", png_bytes(red));
+  const std::string mtl = folder.write("ball.mtl", "newmtl m\nmap_Kd skin.png\n");
+  const std::string plain = mesh_bytes(make_sphere({0, 0, 0}, 1, 12), "mesh.obj");
+  std::string corners = "mtllib ball.mtl\nvt 0 0\nusemtl m\n";
+  for (const char c : plain.substr(0, plain.find("f "))) corners += c;
+  for (std::size_t at = plain.find("f "); at < plain.size(); at = plain.find('\n', at) + 1) {
+    std::istringstream words(plain.substr(at + 2, plain.find('\n', at) - at - 2));
+    corners += "f";
+    for (std::string word; words >> word;) corners += " " + word.substr(0, word.find('/')) + "/1";
+    corners += "\n";
+  }
+  const std::string ball = folder.write("ball.obj", corners), out = folder.file("out/");
+  const auto status = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> options = {"--json"};
+    options.insert(options.end(), more.begin(), more.end());
+    const Run run = convert({ball, out}, options);
+    INFO(run.err);
+    REQUIRE(run.exit == 0);
+    return run.json()["files"][0];
+  };
+  const std::vector<std::string> colored = {"--color", "mesh"};
+  json made = status(colored);
+  CHECK(made["status"] == "made");
+  CHECK(made["report"]["files"] == json{mtl, texture});
+  const std::string first = read_bytes(out + "ball.meso");
+  CHECK(status(colored)["status"] == "up-to-date");
+  folder.write("skin.png", png_bytes(blue));
+  CHECK(status(colored)["status"] == "made");
+  CHECK(read_bytes(out + "ball.meso") != first);
+  CHECK(status(colored)["status"] == "up-to-date");
+  folder.write("ball.mtl", "newmtl m\nKd 1 1 0\nmap_Kd skin.png\n");
+  CHECK(status(colored)["status"] == "made");
+  // One that went costs a warning, once; when it comes again it counts again.
+  std::filesystem::remove(texture);
+  made = status(colored);
+  CHECK(made["status"] == "made");
+  CHECK(made["report"]["warnings"][0]["id"] == "texture-missing");
+  CHECK(status(colored)["status"] == "up-to-date");
+  folder.write("skin.png", png_bytes(red));
+  CHECK(status(colored)["status"] == "made");
+  // Where no colors are asked for, materials do not matter.
+  CHECK(status({})["report"]["files"].empty());
+  folder.write("skin.png", png_bytes(blue));
+  CHECK(status({})["status"] == "up-to-date");
+  // Also the words' own files.
+  const std::string own = folder.write("own.png", png_bytes(red));
+  const std::vector<std::string> with_own = {"--color", "mesh:texture=" + own};
+  CHECK(status(with_own)["report"]["files"] == json{own});
+  CHECK(status(with_own)["status"] == "up-to-date");
+  folder.write("own.png", png_bytes(blue));
+  CHECK(status(with_own)["status"] == "made");
+  // A record of a version that knew of no such files.
+  const std::string record = out + ".mesocell-batch.json";
+  json old = json::parse(read_bytes(record));
+  old["made"]["ball.meso"] = old["made"]["ball.meso"]["of"];
+  folder.write("out/.mesocell-batch.json", old.dump());
+  CHECK(status(with_own)["status"] == "made");
+}
+
+TEST_CASE("a conversion tells of all files that it read beside its input") {
+  const TempFolder folder;
+  const std::string out = folder.file("a.meso");
+  const auto files = [&](const std::string& input, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {"convert", input, out, "--json", "--tiles", "4"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Run run = run_command(words);
+    INFO(run.err);
+    REQUIRE(run.exit == 0);
+    return run.json()["files"];
+  };
+  CHECK(files("shape:sphere").empty());
+  const std::string box = folder.write("box.obj", mesh_bytes(make_box({0, 0, 0}, {1, 1, 2}), "mesh.obj"));
+  CHECK(files(box, {"--tile", "mesh:resolution=8,file=" + box}) == json{box});
+  std::filesystem::create_directory(folder.file("slices"));
+  json slices{folder.file("slices/")};
+  PlainPicture slice{4, 4, 1, std::vector<std::uint32_t>(16, 1)};
+  for (const char* name : {"0.png", "1.png", "2.png", "3.png"}) {
+    slice.samples[5] = std::uint32_t(name[0]);
+    slices.push_back(folder.write(std::string("slices/") + name, png_bytes(slice)));
+  }
+  CHECK(files(box, {"--tile", "labels:file=" + folder.file("slices/")}) == slices);
+  CHECK(files(box, {"--color", "image:file=" + folder.file("slices/")}) == slices);
+  CHECK(files(folder.file("slices/")).size() == 4);
+  const std::string tile = folder.file("tile.meso");
+  REQUIRE(run_command({"convert", "tile:bricks:resolution=16", tile}).exit == 0);
+  CHECK(files(box, {"--tile", tile}) == json{tile});
+  CHECK(files(box, {"--tile", tile + "#0"}) == json{tile});
+  std::string numbers;
+  for (int i = 0; i < 64; ++i) numbers += char(i);
+  const std::string raw = folder.write("scan.raw", numbers);
+  const std::string head = folder.write("scan.mhd",
+                                        "ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\n"
+                                        "ElementType = MET_UCHAR\nElementDataFile = scan.raw\n");
+  CHECK(files(head) == json{raw});
+  const std::vector<float> corners = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const std::vector<std::uint16_t> triangles = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  const std::string buffer =
+      folder.write("a b.bin", std::string(reinterpret_cast<const char*>(corners.data()), 48) +
+                                  std::string(reinterpret_cast<const char*>(triangles.data()), 24));
+  CHECK(files(folder.write("a.gltf", R"({"asset":{"version":"2.0"},"meshes":[{"primitives":[{"indices":1,
+    "attributes":{"POSITION":0}}]}],"buffers":[{"byteLength":72,"uri":"a%20b.bin"}],
+    "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},
+    {"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}]})")) == json{buffer});
 }
 
 TEST_CASE("a list names inputs, names that meet are told apart") {

@@ -6,6 +6,7 @@
 
 #include "converters/export/gltf_writer.h"
 #include "converters/export/mesh_export.h"
+#include "converters/import/mesh_file.h"
 #include "sdk/core/srgb.h"
 #include "tests/export/glb_reader.h"
 #include "tests/export/surfaces.h"
@@ -211,6 +212,61 @@ TEST_CASE("instances in a GLB are the surface of the object, cell by cell") {
   REQUIRE(write_mesh_export(o, folder / "b.glb", options, &report).ok());
   CHECK(report.buried > 0);
   CHECK(report.instances + report.buried == 5 * o.membership.entries.size());
+}
+
+TEST_CASE("instances in a GLB are read back as the cells' surfaces at their places") {
+  const Folder folder(in_memory());
+  CellObject o = colored_object();
+  o.instance_colors.emplace();
+  std::multiset<LatticeTriangle> expected;
+  const auto cells = make_cell_surfaces(o.tile, 1 << 28);
+  std::uint64_t voxels = 0;
+  for (std::uint32_t z = 0; z < o.grid.tiles[2]; ++z)
+    for (std::uint32_t y = 0; y < o.grid.tiles[1]; ++y)
+      for (std::uint32_t x = 0; x < o.grid.tiles[0]; ++x)
+        for (std::uint32_t cell = 1; cell <= o.tile.cell_count; ++cell) {
+          if (o.membership.tag(o.grid.tile_index(x, y, z), cell) != Tag::kInside) continue;
+          o.instance_colors->colors.push_back({std::uint8_t(cell), std::uint8_t(x), std::uint8_t(y)});
+          const auto& n = o.tile.resolution;
+          expected.merge(triangles_of((*cells)[cell - 1], {-std::int32_t(x * n[0]), -std::int32_t(y * n[1]),
+                                                           -std::int32_t(z * n[2])}));
+        }
+  for (std::uint64_t v = 0; v < o.tile.voxel_count(); ++v)
+    for (std::size_t t = 0; t < o.membership.entries.size() && o.tile.id(v) != 0; ++t)
+      voxels += o.membership.tag(t, o.tile.pieces[o.tile.id(v) - 1].cell) == Tag::kInside;
+  for (const bool draco : {false, true}) {
+    MeshExportOptions options;
+    options.instanced = options.colors = true;
+    options.draco = draco;
+    REQUIRE(write_mesh_export(o, folder / "a.glb", options).ok());
+    MeshReadReport report;
+    const Result<PaintedMesh> read = read_painted_mesh(folder / "a.glb", {}, &report);
+    INFO((read ? "" : read.error().message));
+    REQUIRE(read.ok());
+    CHECK(report.warnings.empty());
+    const TriangleMesh& mesh = read->mesh;
+    std::multiset<LatticeTriangle> found;
+    Box3 of_lattice;
+    for (const Triangle& t : mesh.triangles) {
+      LatticeTriangle of;
+      for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t a = 0; a < 3; ++a)
+          of[c][a] =
+              std::int32_t(std::lround((mesh.vertices[t[c]][a] - o.grid.box_min[a]) / o.grid.voxel_edge));
+        of_lattice.add(lattice_point(o.grid, of[c]));
+        CHECK(length(lattice_point(o.grid, of[c]) - mesh.vertices[t[c]]) < 1e-9);
+      }
+      found.insert(turned(of));
+    }
+    CHECK(found == expected);
+    const double edge = o.grid.voxel_edge;
+    CHECK(signed_volume(mesh) == Approx(double(voxels) * edge * edge * edge));
+    CHECK(length(bounding_box(mesh).max - of_lattice.max) < 1e-9);
+    // Colors of instances as they were; of cells as materials.
+    const std::set<Rgb8> colors(mesh.colors.begin(), mesh.colors.end());
+    CHECK(colors == std::set<Rgb8>(o.instance_colors->colors.begin(), o.instance_colors->colors.end()));
+    CHECK(read->paint.materials.size() == o.tile.cell_count);
+  }
 }
 
 TEST_CASE("nothing inside is no glTF") {

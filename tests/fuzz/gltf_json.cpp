@@ -70,5 +70,14 @@ std::vector<fuzz::Bytes> fuzz::seeds() {
     "accessors":[{"componentType":5126,"count":3.0,"type":"VEC3","normalized":false}],
     "bufferViews":[{"buffer":1,"byteLength":3}],
     "buffers":[{"uri":"a.bin","byteLength":5},{"uri":"data:application/octet-stream;base64,AAEC","byteLength":3}]})";
-  return {to_bytes(plain), to_bytes(draco), to_bytes(head + "\"meshes\":[]}")};
+  std::string instanced = head + R"("extensionsRequired":["EXT_mesh_gpu_instancing"],
+    "nodes":[{"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0,"ROTATION":1,
+      "SCALE":0,"_COLOR_0":0,"_ID":2}}}}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},
+      {"bufferView":0,"componentType":5122,"count":3,"type":"VEC4","normalized":true},
+      {"componentType":5121,"count":3,"type":"SCALAR"}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36}]})";
+  instanced += std::string(37, '\0');
+  return {to_bytes(plain), to_bytes(draco), to_bytes(instanced), to_bytes(head + "\"meshes\":[]}")};
 }

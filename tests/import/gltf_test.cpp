@@ -262,7 +262,7 @@ TEST_CASE("glTF: what is not read is refused by name, or told") {
   scene.json["extensionsRequired"] = {"EXT_meshopt_compression"};
   CHECK(says(refusal(scene.glb()), "EXT_meshopt_compression"));
   scene.json["extensionsRequired"] = {"KHR_materials_unlit"};
-  scene.json["extensionsUsed"] = {"KHR_materials_unlit", "EXT_mesh_gpu_instancing"};
+  scene.json["extensionsUsed"] = {"KHR_materials_unlit", "EXT_texture_webp"};
   scene.json["meshes"][0]["primitives"].push_back({{"mode", 1}, {"attributes", {{"POSITION", 0}}}});
   scene.json["nodes"][0]["skin"] = 0;
   MeshReadReport report;
