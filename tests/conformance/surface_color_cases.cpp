@@ -148,6 +148,13 @@ void add_brick_cases(CaseList& cases) {
                 put(scol, 20, 13);
                 scol.resize(kBytes + 3);
               }));
+  // As many bricks, and colors, as bits are set.
+  cases.faults("scol-unused-bits/with-a-brick", with(parts, kSurfaceColorChunk, kBricksAt, 0b101, 1));
+  cases.faults("scol-unused-bits/with-a-color", edited(parts, kSurfaceColorChunk, [](Bytes& scol) {
+                 put(scol, kMasksAt + 3, get(scol, kMasksAt + 3, 1) | 0x80, 1);
+                 put(scol, 20, 13);
+                 scol.resize(kBytes + 3);
+               }));
   for (unsigned brick = 0; brick < 2; ++brick) {
     cases.fault("scol-empty-brick/" + to_string(brick), edited(parts, kSurfaceColorChunk, [&](Bytes& scol) {
                   put(scol, kMasksAt, 0, 4);
