@@ -15,6 +15,7 @@
 #include "converters/import/openmesh_reader.h"
 #include "converters/import/plain_file.h"
 #include "converters/import/plain_mesh.h"
+#include "converters/import/sniff.h"
 
 namespace mesocell {
 namespace {
@@ -74,6 +75,9 @@ Result<const MeshFormat*> choose_format(const std::string& path, std::string_vie
   const MeshFormat* named = format_by_extension(path);
   std::string_view other;
   const MeshFormat* found = format_by_content(bytes, other);
+  if (!found && other.empty()) other = sniff_name(lower_extension(path), bytes.size());
+  if (const std::string_view remedy = terrain_remedy(other); !found && !remedy.empty())
+    return invalid_mesh("the file is " + std::string(other) + ", which is not read; " + std::string(remedy));
   if (!found && !other.empty())
     return invalid_mesh("the file is " + std::string(other) +
                         ", not a mesh; give it its proper extension, or " + "convert it to one of " +
