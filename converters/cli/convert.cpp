@@ -197,6 +197,7 @@ nlohmann::ordered_json outcome_json(const Outcome& outcome) {
   for (const Warning& warning : outcome.report.warnings)
     json["warnings"].push_back({{"id", warning.id}, {"text", warning.text}});
   json["files"] = outcome.notes.files;
+  json["losses"] = outcome.notes.losses;
   // Where there is no mesh there is nothing to diagnose.
   if (outcome.report.diagnosis.triangles > 0) {
     json["diagnosis"] = diagnosis_json(outcome.report.diagnosis);
@@ -214,7 +215,9 @@ std::string outcome_text(const Outcome& outcome, const std::string& output) {
                   100 * outcome.report.inside_volume / outcome.report.mesh_volume);
   std::snprintf(text, sizeof text, ": %.2f MB in %.1f s (peak memory %.0f MB)",
                 double(outcome.file.file_bytes) * 1e-6, outcome.seconds.total, double(peak_bytes()) * 1e-6);
-  return printable(output) + text + share + "\n";
+  std::string lines = printable(output) + text + share + "\n";
+  for (const std::string& loss : outcome.notes.losses) lines += "  not kept: " + printable(loss) + "\n";
+  return lines;
 }
 
 }  // namespace

@@ -126,10 +126,11 @@ Result<HeightPlan> parse_height_plan(const std::string& text) {
 
 std::optional<Failure> read_heights(const std::string& input, const HeightPlan& plan,
                                     const Progress& progress, std::unique_ptr<ShapeSource>& shape,
-                                    std::vector<Warning>& warnings) {
+                                    std::vector<Warning>& warnings, ReadNotes& notes) {
   Result<HeightSamples> samples =
       read_height_file(input, {.channel = plan.channel, .no_data = plan.no_data}, &progress);
   if (!samples) return Failure{samples.error(), samples.error().code == ErrorCode::kUsage ? kOption : input};
+  notes.add(samples->notes);
   HeightSamples facts = *samples;
   facts.samples.clear();
   Result<HeightField> field = lay_field(std::move(*samples), plan);

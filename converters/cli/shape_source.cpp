@@ -134,6 +134,8 @@ std::optional<Failure> read_mesh(const ConvertCommand& command, const Progress& 
   for (MeshWarning& warning : report.warnings)
     warnings.push_back({std::move(warning.id), std::move(warning.text)});
   notes.add(report.notes);
+  if (!takes_mesh_colors(command.color) && !command.keep_mesh && !mesh->mesh.colors.empty())
+    notes.lose("colors of vertices");
   shape = std::make_unique<MeshShape>(std::move(*mesh));
   return std::nullopt;
 }
@@ -176,7 +178,7 @@ std::optional<Failure> read_shape(const ConvertCommand& command, const Progress&
     case Content::kPicture: {
       const Result<HeightPlan> plan = parse_height_plan(command.heights.value_or(""));
       if (!plan) return Failure{plan.error(), "--heights"};
-      return read_heights(input, *plan, progress, shape, warnings);
+      return read_heights(input, *plan, progress, shape, warnings, notes);
     }
     case Content::kVolume:
       return read_volume_shape(command, progress, shape, warnings, notes);

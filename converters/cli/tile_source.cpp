@@ -7,6 +7,7 @@
 
 #include "converters/cli/commands.h"
 #include "converters/cli/representations.h"
+#include "converters/cli/volume_source.h"
 #include "converters/import/height_file.h"
 #include "converters/import/mesh_file.h"
 #include "converters/import/volume_file.h"
@@ -45,6 +46,7 @@ Result<TileMap> import_meshes(const Import& import, TileReport& report) {
   const Result<TriangleMesh> mesh = read_mesh_file(import.file, {}, &read, &import.progress);
   if (!mesh) return mesh.error();
   import.notes.add(read.notes);
+  if (!mesh->colors.empty()) import.notes.lose("colors of vertices");
   TilePlacement placement = place_tile(bounding_box(*mesh), *resolution, *size);
   if (*origin) placement.origin = **origin;
   const std::vector<TriangleMesh> parts =
@@ -58,8 +60,10 @@ Result<LabelVolume> read_label_grid(const Import& import) {
   read.purpose = VdbPurpose::kLabels;
   if (const auto grid = import.recipe.options.find("grid"); grid != import.recipe.options.end())
     read.grid = grid->second;
-  const Result<SparseVolume> volume = read_vdb(import.file, read, nullptr, &import.progress);
+  VdbReadReport report;
+  const Result<SparseVolume> volume = read_vdb(import.file, read, &report, &import.progress);
   if (!volume) return volume.error();
+  note_other_grids(import.file, {report.grid}, import.notes);
   return labels_of(*volume);
 }
 
@@ -93,6 +97,7 @@ Result<TileMap> import_heights(const Import& import, TileReport& report) {
   if (!up) return up.error();
   Result<HeightSamples> samples = read_height_file(import.file, {}, &import.progress);
   if (!samples) return samples.error();
+  import.notes.add(samples->notes);
   const HeightField field{.width = samples->width,
                           .depth = samples->depth,
                           .samples = std::move(samples->samples),

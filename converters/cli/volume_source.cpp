@@ -31,6 +31,27 @@ bool is_scan(const std::string& path) {
   return begins_as_inr(path) || (has_scan_extension(path) && !is_vdb_file(path));
 }
 
+/// Of a .vdb file, by its label; empty if there is none.
+std::string first_color_grid(const std::string& path) {
+  const Result<std::vector<VdbGridHead>> grids = read_vdb_header(path);
+  if (!grids) return {};
+  const auto found = std::find_if(grids->begin(), grids->end(), [](const VdbGridHead& grid) {
+    return grid.type.starts_with("vec3s") || grid.type.starts_with("vec3d");
+  });
+  return found == grids->end() ? std::string() : found->label();
+}
+
+/// The grid of the input that --color names; empty if it names none.
+std::string color_grid_of(const ConvertCommand& command) {
+  const Result<Recipe> recipe = parse_recipe(command.color.value_or("none"));
+  if (!recipe) return {};
+  if (recipe->name == "grid") return first_color_grid(command.input);
+  const auto file = recipe->options.find("file"), grid = recipe->options.find("grid");
+  if (recipe->name != "volume" || file == recipe->options.end() || !same_file(file->second, command.input))
+    return {};
+  return grid == recipe->options.end() ? first_color_grid(command.input) : grid->second;
+}
+
 /// A volume, filled with tiles.
 class VolumeSource final : public ShapeSource {
  public:
@@ -43,11 +64,7 @@ class VolumeSource final : public ShapeSource {
   [[nodiscard]] const TriangleMesh& surface() const override { return none_; }
   [[nodiscard]] Metadata metadata() const override { return metadata_; }
   [[nodiscard]] Status check_colors() const override {
-    const Result<std::vector<VdbGridHead>> grids = read_vdb_header(path_);
-    const auto has_colors = [](const VdbGridHead& grid) {
-      return grid.type.starts_with("vec3s") || grid.type.starts_with("vec3d");
-    };
-    if (!grids || std::none_of(grids->begin(), grids->end(), has_colors))
+    if (first_color_grid(path_).empty())
       return Error{ErrorCode::kUsage,
                    "the volume has no grid of colors (vec3s or vec3d); choose another color"};
     return {};
@@ -167,6 +184,15 @@ Result<std::shared_ptr<const VolumeColors>> read_volume_colors(const std::string
   return VolumeColors::make(std::move(*volume));
 }
 
+void note_other_grids(const std::string& path, const std::vector<std::string>& taken, ReadNotes& notes) {
+  const Result<std::vector<VdbGridHead>> grids = read_vdb_header(path);
+  if (!grids) return;
+  constexpr std::size_t kMaxName = 48;
+  for (const VdbGridHead& grid : *grids)
+    if (std::find(taken.begin(), taken.end(), grid.label()) == taken.end())
+      notes.lose("grid " + grid.label().substr(0, kMaxName));
+}
+
 bool is_volume_input(const std::string& path) {
   return is_vdb(path) || is_scan(path) || is_raw_volume(path) || is_slice_stack(path);
 }
@@ -192,6 +218,7 @@ std::optional<Failure> read_volume_shape(const ConvertCommand& command, const Pr
     warnings.push_back({"grid-class-unknown", "the file does not say what the values of grid '" +
                                                   report.grid +
                                                   "' are; they are taken as fog, more of it is inside"});
+  if (is_vdb(command.input)) note_other_grids(command.input, {report.grid, color_grid_of(command)}, notes);
   Result<std::unique_ptr<VolumeShape>> made = VolumeShape::make(std::move(*volume), command.iso);
   if (!made) return Failure{made.error(), made.error().code == ErrorCode::kUsage ? "--iso" : command.input};
   Metadata metadata{{"source", source_text(command.input, report.grid, (*made)->iso())}};

@@ -24,6 +24,9 @@ namespace mesocell {
                                                        std::unique_ptr<ShapeSource>& shape,
                                                        std::vector<Warning>& warnings, ReadNotes& notes);
 
+/// Notes the grids of a .vdb file but those that were taken, by their labels.
+void note_other_grids(const std::string& path, const std::vector<std::string>& taken, ReadNotes& notes);
+
 /// Reads the colors of a grid of a .vdb file, the first one of colors if none is named. Untrusted input:
 /// safe.
 [[nodiscard]] Result<std::shared_ptr<const VolumeColors>> read_volume_colors(const std::string& path,

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 128;
 // Flags of the header, of its pixel format and of its capabilities.
-constexpr std::uint32_t kHasDepth = 0x80'0000, kFourCc = 0x4, kRgb = 0x40, kLuminance = 0x2'0000;
+constexpr std::uint32_t kHasDepth = 0x80'0000, kHasLevels = 0x2'0000, kAlpha = 0x1, kFourCc = 0x4,
+                        kRgb = 0x40, kLuminance = 0x2'0000;
 constexpr std::uint32_t kCubeMap = 0x200;
 
 Error invalid(std::string message) { return Error{ErrorCode::kInvalidInput, std::move(message)}; }
@@ -33,7 +34,8 @@ Result<DdsLayout> parse_dds_header(std::string_view header) {
   layout.width = in.u32();
   in.skip(4);
   const std::uint32_t depth = in.u32();
-  in.skip(4 * 12);
+  const std::uint32_t levels = in.u32();
+  in.skip(4 * 11);
   const std::uint32_t format_size = in.u32(), format = in.u32(), four_cc = in.u32(), bits = in.u32();
   const std::array<std::uint32_t, 3> masks = {in.u32(), in.u32(), in.u32()};
   in.skip(8);
@@ -45,6 +47,8 @@ Result<DdsLayout> parse_dds_header(std::string_view header) {
     return invalid(
         "its pixels are compressed; save the DDS without compression, or as a TIFF of several pages");
   if (flags & kHasDepth) layout.depth = depth;
+  layout.has_levels = (flags & kHasLevels) && levels > 1;
+  layout.has_alpha = (format & kAlpha) != 0;
   if (layout.width == 0 || layout.height == 0 || layout.depth == 0) return invalid("it has no pixels");
   const bool gray = (format & kLuminance) != 0;
   if ((!gray && !(format & kRgb)) || bits % 8 != 0 || bits == 0 || bits > 32)

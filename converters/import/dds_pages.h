@@ -17,7 +17,8 @@ namespace mesocell {
 struct DdsLayout {
   std::uint32_t width = 0, height = 0, depth = 1;
   std::uint32_t pixel_bytes = 1;
-  std::vector<std::uint32_t> shifts;  ///< of the channels that are there: one of gray, or R, G, B
+  std::vector<std::uint32_t> shifts;           ///< of the channels that are there: one of gray, or R, G, B
+  bool has_levels = false, has_alpha = false;  ///< which are passed over
 };
 
 /// Parses the 128 bytes of a header. Untrusted input: safe. Errors: kInvalidInput (none, compressed, another

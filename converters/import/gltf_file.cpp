@@ -118,7 +118,8 @@ Result<WorkerMesh> read_gltf(std::span<const std::byte> bytes, const std::string
     return read_beside(folder, uri, max_file_bytes, notes);
   };
   std::vector<MeshWarning> warnings;
-  const Result<std::vector<std::byte>> glb = normalize_gltf(chunks->json, chunks->binary, read, warnings);
+  const Result<std::vector<std::byte>> glb =
+      normalize_gltf(chunks->json, chunks->binary, read, warnings, notes);
   if (!glb) return glb.error();
   Result<WorkerMesh> mesh = take_mesh(ask(MeshRequest::kGltf, *glb, "the scene", progress));
   if (mesh) mesh->warnings.insert(mesh->warnings.begin(), warnings.begin(), warnings.end());

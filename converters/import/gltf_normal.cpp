@@ -6,6 +6,7 @@
 
 #include "converters/import/gltf_data.h"
 #include "converters/import/gltf_json.h"
+#include "converters/import/gltf_losses.h"
 #include "format/byte_writer.h"
 
 namespace mesocell {
@@ -70,14 +71,15 @@ bool is_shallow(std::string_view json) {
 class Normalizer {
  public:
   Normalizer(const Json& in, std::span<const std::byte> binary, const ResourceReader& read,
-             std::vector<MeshWarning>& warnings)
-      : in_(in), read_(read), warnings_(warnings) {
+             std::vector<MeshWarning>& warnings, ReadNotes& notes)
+      : in_(in), read_(read), warnings_(warnings), notes_(notes) {
     check_head();
     data_.emplace(in, binary, read);
     add_materials();
     add_meshes();
     add_nodes();
     add_scene();
+    note_scene_losses(in, notes);
     if (lines_ > 0)
       warn("primitives-skipped",
            std::to_string(lines_) + " parts of the scene are points or lines, and left out");
@@ -124,9 +126,11 @@ class Normalizer {
     }
     for (const Json& name : array_member(in_, "extensionsUsed"))
       if (name.is_string() &&
-          std::find(kMissed.begin(), kMissed.end(), name.get<std::string>()) != kMissed.end())
+          std::find(kMissed.begin(), kMissed.end(), name.get<std::string>()) != kMissed.end()) {
+        notes_.lose("extension " + name.get<std::string>());
         warn("extension-ignored", "the glTF extension " + name.get<std::string>() +
                                       " is not read; shape or colors may differ from what is meant");
+      }
     out_["asset"] = {{"version", "2.0"}};
   }
 
@@ -215,6 +219,7 @@ class Normalizer {
     const Json& materials = array_member(in_, "materials");
     for (std::size_t i = 0; i < materials.size(); ++i) {
       const std::string where = numbered("material", i);
+      note_material_losses(materials[i], notes_);
       Json written = Json::object();
       if (const Json* pbr = member(materials[i], "pbrMetallicRoughness")) {
         if (auto factor = numbers_member(*pbr, where, "baseColorFactor", 4))
@@ -261,14 +266,21 @@ class Normalizer {
     const Json* targets = member(primitive, "targets");
     deformed_ += targets != nullptr;
     if (mode < 4) {
+      notes_.lose("lines and points");
       ++lines_;
       return;
     }
     const auto& accessors = data_->accessors();
     Json written = {{"mode", mode}, {"attributes", attributes(primitive, where, accessors.size(), true)}};
+    std::string used_set;
     if (const auto material =
-            index_member(primitive, where, "material", array_member(in_, "materials").size()))
+            index_member(primitive, where, "material", array_member(in_, "materials").size())) {
       written["material"] = *material;
+      const Json& pbr = out_["materials"][*material]["pbrMetallicRoughness"];
+      if (pbr.contains("baseColorTexture"))
+        used_set = "TEXCOORD_" + std::to_string(pbr["baseColorTexture"]["texCoord"].get<std::uint64_t>());
+    }
+    note_attribute_losses(primitive, used_set, notes_);
     const Json* extensions = member(primitive, "extensions");
     const Json* draco = extensions ? member(*extensions, kDraco) : nullptr;
     if (!written["attributes"].contains("POSITION")) {
@@ -337,6 +349,7 @@ class Normalizer {
         good = is_type(accessor, {"VEC3", "VEC4"}, {5121, 5123, 5126});
       else
         used = false;  // a program's own, but it says how many there are
+      if (!used) notes_.lose("other attributes of instances");
       if (!good) gltf_fault(where, "has an accessor of the wrong type for " + name + " of its instances");
       if (used && !accessor.has_data) gltf_fault(where, "has instances with a " + name + " without data");
       if (count.value_or(accessor.count) != accessor.count)
@@ -408,6 +421,7 @@ class Normalizer {
   const Json& in_;
   const ResourceReader& read_;
   std::vector<MeshWarning>& warnings_;
+  ReadNotes& notes_;
   std::optional<GltfData> data_;
   Json out_ = {{"images", Json::array()},    {"textures", Json::array()}, {"samplers", Json::array()},
                {"materials", Json::array()}, {"meshes", Json::array()},   {"nodes", Json::array()}};
@@ -419,8 +433,8 @@ class Normalizer {
 }  // namespace
 
 Result<std::vector<std::byte>> normalize_gltf(std::string_view json, std::span<const std::byte> binary,
-                                              const ResourceReader& read,
-                                              std::vector<MeshWarning>& warnings) {
+                                              const ResourceReader& read, std::vector<MeshWarning>& warnings,
+                                              ReadNotes& notes) {
   if (json.size() > kMaxJsonBytes)
     return Error{ErrorCode::kLimit, "its JSON has more than " + std::to_string(kMaxJsonBytes >> 20) +
                                         " MiB; save the scene with its data in a file of its own, or as GLB"};
@@ -433,7 +447,7 @@ Result<std::vector<std::byte>> normalize_gltf(std::string_view json, std::span<c
     const Json in = Json::parse(json.begin(), json.end(), nullptr, false);
     if (!in.is_object())
       return Error{ErrorCode::kInvalidInput, "its JSON is damaged; fetch or export the scene again"};
-    return Normalizer(in, binary, read, warnings).glb();
+    return Normalizer(in, binary, read, warnings, notes).glb();
   } catch (const GltfFault& fault) {
     return fault.error;
   } catch (const std::bad_alloc&) {

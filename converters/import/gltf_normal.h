@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "converters/import/mesh_warning.h"
+#include "converters/import/read_notes.h"
 #include "format/result.h"
 
 namespace mesocell {
@@ -21,11 +22,12 @@ using ResourceReader = std::function<Result<std::vector<std::byte>>(const std::s
 /// attributes and the tree of nodes. Draco's data are checked by who decodes them.
 /// - `json`: the text; `binary`: the second chunk of a GLB, or nothing
 /// - extensions that are required and not known are refused by name
-/// - remarks on what is passed over are added to `warnings`
+/// - remarks on what is passed over are added to `warnings`, and its names to `notes`
 /// Untrusted input: safe. Errors: kInvalidInput with the place in the file, kLimit.
 [[nodiscard]] Result<std::vector<std::byte>> normalize_gltf(std::string_view json,
                                                             std::span<const std::byte> binary,
                                                             const ResourceReader& read,
-                                                            std::vector<MeshWarning>& warnings);
+                                                            std::vector<MeshWarning>& warnings,
+                                                            ReadNotes& notes);
 
 }  // namespace mesocell

@@ -50,6 +50,8 @@ Result<HeightSamples> read_height_file(const std::string& path, const HeightRead
       channel = std::size_t(at - header.channels.begin());
     }
     out.channel = header.channels[channel];
+    for (const std::string& other : header.channels)
+      if (other != out.channel) out.notes.lose("channel " + other);
     out.width = header.width;
     out.depth = header.height;
     // The 8 bits of an .hdr are how it stores floats, and are read as they are.

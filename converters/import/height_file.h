@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "converters/import/read_notes.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
 
@@ -28,6 +29,7 @@ struct HeightSamples {
   std::string format;          ///< "png", …
   std::string channel;
   bool exact = true;  ///< false: a lossy compression
+  ReadNotes notes;
 };
 
 /// Reads heights from a picture, whatever its extension. Untrusted input: safe, as far as the decoders of the

@@ -1,5 +1,6 @@
 #include "converters/import/mesh_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cfloat>
 #include <span>
@@ -14,6 +15,7 @@
 #include "converters/import/openmesh_reader.h"
 #include "converters/import/plain_file.h"
 #include "converters/import/plain_mesh.h"
+#include "converters/import/sniff.h"
 
 namespace mesocell {
 namespace {
@@ -73,6 +75,9 @@ Result<const MeshFormat*> choose_format(const std::string& path, std::string_vie
   const MeshFormat* named = format_by_extension(path);
   std::string_view other;
   const MeshFormat* found = format_by_content(bytes, other);
+  if (!found && other.empty()) other = sniff_name(lower_extension(path), bytes.size());
+  if (const std::string_view remedy = terrain_remedy(other); !found && !remedy.empty())
+    return invalid_mesh("the file is " + std::string(other) + ", which is not read; " + std::string(remedy));
   if (!found && !other.empty())
     return invalid_mesh("the file is " + std::string(other) +
                         ", not a mesh; give it its proper extension, or " + "convert it to one of " +
@@ -101,6 +106,7 @@ Result<PaintedMesh> read_by_worker(const MeshFormat& format, std::span<const std
   found.polygons = read->polygons;
   found.dropped_faces = read->dropped_faces;
   found.warnings.insert(found.warnings.end(), read->warnings.begin(), read->warnings.end());
+  found.notes.add(read->notes);
   return std::move(read->painted);
 }
 
@@ -116,15 +122,32 @@ Result<PaintedMesh> read_plain(const MeshFormat& format, std::string_view bytes,
   Result<LibraryMesh> library = read_with_openmesh(*plain, progress);
   if (!library) return library.error();
   plain->bytes = {};
+  found.notes.add(plain->notes);
+  const bool has_uvs = !plain->paint.uvs.empty(), has_materials = !plain->materials.empty();
   if (paint && options.texture.empty())
     if (Status status = read_materials(path, *plain, found.warnings, found.notes, progress); !status)
       return status.error();
   PaintedMesh painted;
   painted.paint = std::move(plain->paint);
+  const std::vector<PaintMaterial>& materials = painted.paint.materials;
+  const bool has_texture = std::any_of(materials.begin(), materials.end(), [](const PaintMaterial& material) {
+    return material.texture.has_value();
+  });
+  if (has_uvs && !has_texture && (!paint || options.texture.empty())) found.notes.lose("texture coordinates");
+  if (has_materials && materials.empty()) found.notes.lose("materials");
   Result<TriangleMesh> mesh = combine(std::move(*plain), std::move(*library));
   if (!mesh) return mesh.error();
   painted.mesh = std::move(*mesh);
   return painted;
+}
+
+/// For who wants no more than colors of vertices.
+void drop_paint(PaintedMesh& painted, ReadNotes& notes) {
+  SurfacePaint& paint = painted.paint;
+  if (!paint.face_colors.empty()) notes.lose("colors of faces");
+  if (!paint.materials.empty()) notes.lose("materials");
+  if (!paint.uvs.empty()) notes.lose("texture coordinates");
+  paint = {};
 }
 
 Result<PaintedMesh> read(const std::string& path, const MeshReadOptions& options, bool paint,
@@ -145,11 +168,13 @@ Result<PaintedMesh> read(const std::string& path, const MeshReadOptions& options
   if (Status status = check_mesh(painted->mesh, found.polygons, **format); !status) return status.error();
   if (paint && !options.texture.empty()) {
     found.notes.files.insert(options.texture);
+    if (!painted->paint.materials.empty()) found.notes.lose("materials");
     if (Status status =
             use_texture(options.texture, painted->mesh.triangles.size(), painted->paint, progress);
         !status)
       return status.error();
   }
+  if (!paint) drop_paint(*painted, found.notes);
   found.vertex_colors = !painted->mesh.colors.empty();
   if (report) *report = std::move(found);
   return painted;

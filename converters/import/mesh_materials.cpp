@@ -110,6 +110,9 @@ class MaterialReader {
         any = true;
         material.base_color = place->second.diffuse;
         if (!place->second.diffuse_map.empty()) add_texture(place->second.diffuse_map, material);
+        if (place->second.has_alpha) notes_.lose("alpha");
+        if (place->second.has_map_options) notes_.lose("options of pictures");
+        if (place->second.has_more) notes_.lose("other properties of materials");
       } else if (has_files) {
         warn("material-missing", "the material " + name + " is in no file that the mesh names; it is white");
       }

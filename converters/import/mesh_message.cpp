@@ -181,6 +181,8 @@ std::vector<std::byte> write_mesh_message(const WorkerMesh& mesh) {
   for (const TextureImage& image : paint.images) write_image(image, out);
   out.u32(std::uint32_t(paint.materials.size()));
   for (const PaintMaterial& material : paint.materials) write_material(material, out);
+  out.u32(std::uint32_t(mesh.notes.losses.size()));
+  for (const std::string& loss : mesh.notes.losses) write_text(loss, out);
   return out.release();
 }
 
@@ -209,6 +211,7 @@ Result<WorkerMesh> read_mesh_message(std::span<const std::byte> bytes) {
   for (TextureImage& image : paint.images) image = in.image();
   paint.materials.resize(in.count(in.u32(), 71));
   for (PaintMaterial& material : paint.materials) material = in.material(std::uint32_t(paint.images.size()));
+  for (std::size_t n = in.count(in.u32(), 4); n > 0; --n) read.notes.lose(in.text());
   if (!in.done()) return damaged();
   for (const std::uint32_t index : paint.material_indices)
     if (index != SurfacePaint::kNoMaterial && index >= paint.materials.size()) return damaged();

@@ -30,6 +30,14 @@ std::string_view without_options(std::string_view rest) {
   }
 }
 
+/// Of those that materials have beside color and alpha; how light is computed (illum) is none.
+bool is_other_property(std::string_view key) {
+  constexpr std::array<std::string_view, 12> kKeys = {"Ka",   "Ks",   "Ke",    "Ns",   "Ni",   "Tf",
+                                                      "bump", "disp", "decal", "refl", "norm", "sharpness"};
+  return std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end() || key.starts_with("P") ||
+         (key.starts_with("map_") && key != "map_d");
+}
+
 }  // namespace
 
 std::vector<MtlMaterial> parse_mtl(std::string_view bytes) {
@@ -44,7 +52,7 @@ std::vector<MtlMaterial> parse_mtl(std::string_view bytes) {
       std::string name(trimmed(line));
       material = nullptr;
       if (!names.insert(name).second) continue;
-      materials.push_back({std::move(name), {1, 1, 1}, {}});
+      materials.push_back({.name = std::move(name), .diffuse_map = {}});
       material = &materials.back();
     } else if (material && key == "Kd") {
       Vec3 color;
@@ -54,6 +62,13 @@ std::vector<MtlMaterial> parse_mtl(std::string_view bytes) {
       for (std::size_t k = 0; k < 3; ++k) material->diffuse[k] = std::clamp(color[k], 0.0, 1.0);
     } else if (material && key == "map_Kd") {
       material->diffuse_map = without_options(line);
+      material->has_map_options = trimmed(line).starts_with('-');
+    } else if (material) {
+      double x = 0;
+      const bool number = parse_number(next_word(line), x);
+      material->has_alpha = material->has_alpha || (key == "d" && number && x < 1) ||
+                            (key == "Tr" && number && x > 0) || key == "map_d";
+      material->has_more = material->has_more || is_other_property(key);
     }
   }
   return materials;

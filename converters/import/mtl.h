@@ -14,6 +14,8 @@ struct MtlMaterial {
   std::string name;
   Vec3 diffuse{1, 1, 1};    ///< 0 to 1
   std::string diffuse_map;  ///< as the file names it; empty: none
+  // What is passed over.
+  bool has_alpha = false, has_map_options = false, has_more = false;
 };
 
 /// Parses an MTL file. Untrusted input: safe. What is not understood is passed over, as are options of

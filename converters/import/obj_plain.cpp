@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "converters/import/fan.h"
@@ -66,6 +67,34 @@ Uv read_uv(std::string_view rest) {
   const float s = float(u), t = float(1 - v);
   return read && std::isfinite(s) && std::isfinite(t) ? Uv{s, t} : Uv{0, 0};
 }
+
+/// Notes statements that are passed over.
+class PassedOver {
+ public:
+  void see(std::string_view key, std::string_view rest) {
+    for (std::size_t i = 0; i < kKeys.size(); ++i) seen_[i] = seen_[i] || key == kKeys[i].first;
+    const std::string_view group = trimmed(rest);
+    smooth_ = smooth_ || (key == "s" && !group.empty() && group != "off" && group != "0");
+  }
+  void note(ReadNotes& notes) const {
+    for (std::size_t i = 0; i < kKeys.size(); ++i)
+      if (seen_[i]) notes.lose(kKeys[i].second);
+    if (smooth_) notes.lose("smoothing groups");
+  }
+
+ private:
+  static constexpr std::array<std::pair<std::string_view, const char*>, 8> kKeys = {
+      {{"vn", "normals"},
+       {"g", "groups"},
+       {"o", "groups"},
+       {"l", "lines and points"},
+       {"p", "lines and points"},
+       {"curv", "curves and surfaces"},
+       {"curv2", "curves and surfaces"},
+       {"surf", "curves and surfaces"}}};
+  std::array<bool, kKeys.size()> seen_{};
+  bool smooth_ = false;
+};
 
 /// What a face can refer to.
 struct Seen {
@@ -147,13 +176,17 @@ Result<PlainMesh> plain_obj(std::string_view bytes, const Progress* progress) {
 
   // Two passes, since faces may use vertices that come later.
   std::vector<Uv> uvs;
+  PassedOver passed_over;
   LineReader vertices(bytes);
   for (std::uint64_t n = 0; next_statement(vertices, joined, statement); ++n) {
     if (stop_at(progress, n)) return cancelled();
     const std::string_view key = next_word(statement);
     if (key == "vt") uvs.push_back(read_uv(statement));
     if (key == "mtllib") mesh.material_files.emplace_back(trimmed(statement));
-    if (key != "v") continue;
+    if (key != "v") {
+      passed_over.see(key, statement);
+      continue;
+    }
     if (mesh.positions.size() >= kMaxMeshElements)
       return invalid_mesh("the mesh has too many vertices; split it");
     const Result<bool> read = read_vertex(statement, vertices.number(), mesh);
@@ -186,6 +219,7 @@ Result<PlainMesh> plain_obj(std::string_view bytes, const Progress* progress) {
           if (!uvs.empty()) mesh.paint.uvs.push_back({corner_uvs[0], corner_uvs[i - 1], corner_uvs[i]});
         });
   }
+  passed_over.note(mesh.notes);
   if (without_uvs > 0)
     mesh.warnings.push_back(
         {"uv-missing", std::to_string(without_uvs) +

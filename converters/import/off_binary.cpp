@@ -46,11 +46,12 @@ void append_number(std::string& text, float value) {
   text.append(word.data(), end);
 }
 
-std::optional<Rgb8> read_color(BigReader& in, std::uint32_t channels) {
+std::optional<Rgb8> read_color(BigReader& in, std::uint32_t channels, ReadNotes& notes) {
   std::array<double, 3> rgb{};
   for (std::uint32_t k = 0; k < channels; ++k) {
     const float value = in.f32();
     if (k < 3) rgb[k] = double{value};
+    if (k == 3 && value < 1) notes.lose("alpha");
   }
   return channels >= 3 ? make_color(rgb, 1) : std::nullopt;
 }
@@ -75,7 +76,7 @@ Result<bool> read_faces(BigReader& in, std::uint64_t count, const Progress* prog
     }
     const std::uint32_t channels = in.u32();
     if (in.ended() || channels > in.left() / 4) return cut_off("face", i);
-    const std::optional<Rgb8> color = read_color(in, channels);
+    const std::optional<Rgb8> color = read_color(in, channels, mesh.notes);
     any_color = any_color || color;
     ++mesh.polygons;
     cut_into_fan(
@@ -113,11 +114,13 @@ Result<PlainMesh> plain_off_binary(std::string_view body, OffKind kind, const Pr
     }
     for (int k = 0; kind.normals && k < 3; ++k) in.u32();
     std::optional<Rgb8> color;
-    if (kind.colors) color = read_color(in, 4);
+    if (kind.colors) color = read_color(in, 4, mesh.notes);
     for (int k = 0; kind.uvs && k < 2; ++k) in.u32();
     add_vertex(mesh, p, color);
   }
   if (in.ended()) return cut_off("vertex", vertices);
+  if (vertices > 0 && kind.normals) mesh.notes.lose("normals");
+  if (vertices > 0 && kind.uvs) mesh.notes.lose("texture coordinates");
   std::string text;
   const Result<bool> read = read_faces(in, faces, progress, mesh, text);
   if (!read) return read.error();

@@ -77,6 +77,8 @@ class OffColors {
       point = point || word.find_first_of(".eE") != word.npos;
       above = above || channel > 1;
     }
+    double alpha = 0;
+    if (numbers && parse_number(next_word(rest), alpha)) least_alpha_ = std::min(least_alpha_, alpha);
     has_point_ = has_point_ || (numbers && point);
     above_one_ = above_one_ || (numbers && above);
     if (!numbers) channels.fill(std::nan(""));
@@ -84,7 +86,7 @@ class OffColors {
   }
   /// One an add(); empty if there was none in any.
   [[nodiscard]] std::vector<Rgb8> take() const {
-    const double full = above_one_ && !has_point_ ? 255 : 1;
+    const double full = full_channel();
     std::vector<Rgb8> colors;
     bool any = false;
     for (const std::array<double, 3>& channels : channels_) {
@@ -96,8 +98,13 @@ class OffColors {
     return colors;
   }
 
+  [[nodiscard]] bool has_alpha() const { return least_alpha_ < full_channel(); }
+
  private:
+  [[nodiscard]] double full_channel() const { return above_one_ && !has_point_ ? 255 : 1; }
+
   std::vector<std::array<double, 3>> channels_;
+  double least_alpha_ = 255;
   bool has_point_ = false, above_one_ = false;
 };
 
@@ -121,6 +128,9 @@ Result<bool> read_vertices(OffWords& words, std::uint64_t count, OffKind kind, c
     mesh.positions.push_back(p);
   }
   mesh.colors = colors.take();
+  if (!mesh.colors.empty() && colors.has_alpha()) mesh.notes.lose("alpha");
+  if (count > 0 && kind.normals) mesh.notes.lose("normals");
+  if (count > 0 && kind.uvs) mesh.notes.lose("texture coordinates");
   return true;
 }
 
@@ -164,6 +174,7 @@ Result<bool> read_faces(OffWords& words, std::uint64_t count, std::uint64_t most
   }
   const std::vector<Rgb8> face_colors = colors.take();
   if (face_colors.empty()) return true;
+  if (colors.has_alpha()) mesh.notes.lose("alpha");
   std::vector<Rgb8> triangle_colors;
   for (const std::uint32_t face : face_of) triangle_colors.push_back(face_colors[face]);
   keep_face_colors(mesh, std::move(triangle_colors));
@@ -192,8 +203,7 @@ void keep_face_colors(PlainMesh& mesh, std::vector<Rgb8> colors) {
   if (mesh.colors.empty())
     mesh.paint.face_colors = std::move(colors);
   else
-    mesh.warnings.push_back(
-        {"face-colors", "vertices and faces have colors; those of the vertices are taken"});
+    pass_over_face_colors(mesh);
 }
 
 Result<PlainMesh> plain_off(std::string_view bytes, const Progress* progress) {

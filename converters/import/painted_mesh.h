@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "converters/import/mesh_warning.h"
+#include "converters/import/read_notes.h"
 #include "sdk/core/triangle_mesh.h"
 #include "sdk/surface/surface_paint.h"
 
@@ -19,6 +20,7 @@ struct PaintedMesh {
 struct WorkerMesh {
   PaintedMesh painted;
   std::vector<MeshWarning> warnings;
+  ReadNotes notes;                  ///< no files, which a worker cannot read
   std::uint64_t polygons = 0;       ///< faces as the file has them
   std::uint64_t dropped_faces = 0;  ///< of them those with two equal corners
 };

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "converters/image/exr_check.h"
+#include "converters/image/extension.h"
 #include "converters/image/input_file.h"
 #include "converters/import/sniff.h"
 #include "converters/import/tiff_check.h"
@@ -44,7 +45,7 @@ Result<PictureFile> examine_picture(const std::string& path, const PictureLimits
   if (!file) return file.error();
   if (file->size() == 0)
     return Error{ErrorCode::kInvalidInput, "the file is empty; fetch or export it again"};
-  std::array<std::byte, 32> head{};
+  std::array<std::byte, 1024> head{};
   const std::size_t head_bytes = std::size_t(std::min<std::uint64_t>(file->size(), head.size()));
   if (!file->read_at(0, std::span(head).first(head_bytes)))
     return Error{ErrorCode::kUnreadable, "it cannot be read; check the disk"};
@@ -52,9 +53,13 @@ Result<PictureFile> examine_picture(const std::string& path, const PictureLimits
   PictureFile picture;
   picture.format = picture_format(text);
   if (!picture.format) {
-    const std::string_view content = sniff_content(text);
-    return Error{ErrorCode::kInvalidInput,
-                 "the file is " + (content.empty() ? "no picture that can be read" : std::string(content))};
+    std::string_view content = sniff_content(text);
+    if (content.empty()) content = sniff_name(lower_extension(path), file->size());
+    std::string message =
+        "the file is " + (content.empty() ? "no picture that can be read" : std::string(content));
+    if (const std::string_view remedy = terrain_remedy(content); !remedy.empty())
+      message += ", which is not read; " + std::string(remedy);
+    return Error{ErrorCode::kInvalidInput, std::move(message)};
   }
   if (picture.format == "tiff"sv) {
     const Result<TiffLayout> layout = check_tiff(*file, limits.max_pages, limits.max_side);

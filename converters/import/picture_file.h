@@ -27,7 +27,7 @@ struct PictureFile {
 
 /// Looks at a picture's file before the image library sees it: directories of TIFF and headers of EXR files
 /// are checked in full. Untrusted input: safe. Errors: kUnreadable, kInvalidInput (empty, damaged, no
-/// picture: the message says what it is, without a remedy), kLimit.
+/// picture: the message says what it is, with a remedy for terrain alone), kLimit.
 [[nodiscard]] Result<PictureFile> examine_picture(const std::string& path, const PictureLimits& limits);
 
 }  // namespace mesocell

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "converters/import/mesh_warning.h"
+#include "converters/import/read_notes.h"
 #include "format/cell_object.h"
 #include "format/result.h"
 #include "sdk/core/progress.h"
@@ -35,6 +36,7 @@ struct PlainMesh {
   std::vector<std::string>
       materials;  ///< by SurfacePaint::material_indices: names in those files, or pictures
   std::vector<MeshWarning> warnings;
+  ReadNotes notes;
 };
 
 /// Brings an array of one entry a triangle to `count`, where the first triangles of a file have none.

@@ -122,12 +122,13 @@ bool is_vertex_list(const PlyProperty& p) {
 /// What an element's properties that are no lists mean.
 struct PlyPlaces {
   std::optional<std::array<std::size_t, 3>> color;
-  std::optional<std::size_t> u, v, picture;
+  std::optional<std::size_t> u, v, picture, alpha;
 
   explicit PlyPlaces(const PlyElement& e) {
     if (e.name != "vertex" && e.name != "face") return;
     color = find_color(e, "");
     if (!color) color = find_color(e, "diffuse_");
+    if (color) alpha = find_scalar(e, {"alpha"});
     picture = find_scalar(e, {"texnumber"});
     if (e.name != "vertex") return;
     u = find_scalar(e, {"s", "u", "texture_u"});
@@ -160,6 +161,7 @@ class PlyBody {
           "', more than the rest of the file can hold; the file is cut off or damaged, fetch or "
           "export it again");
     const PlyPlaces places(e);
+    if (e.count > 0) note_losses(e, places, mesh.notes);
     std::vector<double> values(e.properties.size());  // of those that are no lists
     for (std::uint64_t i = 0; i < e.count; ++i) {
       if (stop_at(progress_, i)) return cancelled();
@@ -171,6 +173,8 @@ class PlyBody {
         const std::optional<Error> error = p.is_list ? list(e, p, i) : scalar(e, p, i, values[k], position);
         if (error) return error;
       }
+      alpha_ =
+          alpha_ || (places.alpha && values[*places.alpha] < full_channel(e.properties[*places.alpha].type));
       const std::optional<Rgb8> own = places.color ? color(e, values, *places.color) : std::nullopt;
       if (e.name == "vertex") {
         for (std::size_t axis = 0; axis < 3; ++axis)
@@ -189,12 +193,12 @@ class PlyBody {
 
   /// Once all elements are there: arrays of one entry a triangle.
   void finish(PlainMesh& mesh) {
+    if (alpha_) mesh.notes.lose("alpha");
     if (face_colors_.size() == mesh.triangles && any_face_color_) {
       if (mesh.colors.empty())
         mesh.paint.face_colors = std::move(face_colors_);
       else
-        mesh.warnings.push_back(
-            {"face-colors", "vertices and faces have colors; those of the vertices are taken"});
+        pass_over_face_colors(mesh);
     }
     if (textures_ == 0) return;
     if (uvs_.size() == mesh.triangles && any_uvs_) {
@@ -219,6 +223,30 @@ class PlyBody {
     for (std::size_t k = 0; k < 3; ++k)
       channels[k] = values[places[k]] / full_channel(e.properties[places[k]].type);
     return make_color(channels, 1);
+  }
+  /// Properties and elements that are passed over.
+  void note_losses(const PlyElement& e, const PlyPlaces& places, ReadNotes& notes) const {
+    constexpr std::size_t kMaxName = 48;
+    const bool of_vertices = e.name == "vertex", of_faces = e.name == "face";
+    if (!of_vertices && !of_faces && e.name != "tristrips") {
+      notes.lose("element " + e.name.substr(0, kMaxName));
+      return;
+    }
+    for (std::size_t k = 0; k < e.properties.size(); ++k) {
+      const PlyProperty& p = e.properties[k];
+      const bool coordinates =
+          (of_vertices && (places.u == k || places.v == k)) || (of_faces && p.name == "texcoord");
+      if (coordinates && textures_ == 0) notes.lose("texture coordinates");
+      const bool position = of_vertices && (p.name == "x" || p.name == "y" || p.name == "z");
+      const bool of_color = places.color && std::count(places.color->begin(), places.color->end(), k) > 0;
+      if (coordinates || position || of_color || places.alpha == k || (!of_vertices && is_vertex_list(p)) ||
+          (of_faces && places.picture == k && textures_ > 0))
+        continue;
+      if (p.name == "nx" || p.name == "ny" || p.name == "nz")
+        notes.lose("normals");
+      else
+        notes.lose("property " + p.name.substr(0, kMaxName) + (of_vertices ? " of vertices" : " of faces"));
+    }
   }
   static Error unreadable(const PlyElement& e, std::uint64_t i) {
     return invalid_mesh("element " + std::to_string(i) + " of '" + e.name +
@@ -320,7 +348,7 @@ class PlyBody {
   std::vector<std::array<Uv, 3>> uvs_;
   std::vector<std::uint32_t> pictures_;
   std::vector<Triangle> triangles_;
-  bool any_face_color_ = false, any_uvs_ = false;
+  bool any_face_color_ = false, any_uvs_ = false, alpha_ = false;
 };
 
 /// Whether the header has what a mesh needs, each once.

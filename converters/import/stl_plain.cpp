@@ -62,6 +62,7 @@ Result<PlainMesh> plain_binary(std::string_view bytes, const Progress* progress)
   const std::uint64_t count = (bytes.size() - kHeader) / kRecord;
   if (count > kMaxMeshElements / 3) return invalid_mesh("the mesh has too many triangles; split it");
   std::uint64_t bad_normals = 0;
+  bool attributes = false;
   for (std::uint64_t t = 0; t < count; ++t) {
     if (stop_at(progress, t)) return cancelled();
     std::array<Point, 3> corner{};
@@ -76,8 +77,10 @@ Result<PlainMesh> plain_binary(std::string_view bytes, const Progress* progress)
       corner[i / 3][i % 3] = x;
     }
     count_triangle(corner, mesh);
+    attributes = attributes || bytes.substr(kHeader + t * kRecord + 48, 2) != std::string_view("\0\0", 2);
   }
   mesh.bytes.assign(bytes);
+  if (attributes) mesh.notes.lose("attributes of triangles, such as colors");
   warn_of_normals(bad_normals, mesh);
   return mesh;
 }

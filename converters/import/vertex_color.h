@@ -30,4 +30,10 @@ inline void add_vertex(PlainMesh& mesh, const Vec3& position, const std::optiona
   if (!mesh.colors.empty() || color) mesh.colors.push_back(color.value_or(kMissingColor));
 }
 
+/// Where vertices have colors as well, which go before.
+inline void pass_over_face_colors(PlainMesh& mesh) {
+  mesh.notes.lose("colors of faces");
+  mesh.warnings.push_back({"face-colors", "vertices and faces have colors; those of the vertices are taken"});
+}
+
 }  // namespace mesocell

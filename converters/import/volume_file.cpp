@@ -92,7 +92,9 @@ PageSink make_sink(Reading& reading, std::uint32_t stored_bits) {
                      " pixels, the first slice " + std::to_string(reading.resolution[0]) + " x " +
                      std::to_string(reading.resolution[1]) + "; all must have the same size");
     }
-    return reading.slices.check(header, stored_bits);
+    if (Status status = reading.slices.check(header, stored_bits); !status) return status;
+    if (reading.notes) reading.slices.note_losses(header, *reading.notes);
+    return {};
   };
   sink.take = [&reading](std::uint32_t, PageSamples samples) -> Status {
     if (Status status = reading.next(); !status) return status;
@@ -119,6 +121,8 @@ Status read_dds(const std::string& path, const std::string& head, Reading& readi
   const Result<DdsLayout> layout = parse_dds_header(head);
   if (!layout) return layout.error();
   reading.resolution[2] = layout->depth;
+  if (reading.notes && layout->has_levels) reading.notes->lose("levels of detail");
+  if (reading.notes && layout->has_alpha) reading.notes->lose("alpha");
   return read_dds_pages(path, reading.options.max_file_bytes, make_sink(reading, 8));
 }
 

@@ -27,6 +27,13 @@ void for_each_pixel(const PageHeader& header, PageSamples samples, const Voxel& 
   }
 }
 
+/// Channels that are neither gray nor color.
+void note_other_channels(const PageHeader& header, const ColorChannels& channels, ReadNotes& notes) {
+  for (std::size_t c = 0; c < header.channels.size(); ++c)
+    if (std::find(channels.index.begin(), channels.index.end(), c) == channels.index.end())
+      notes.lose(header.channels[c] == "A" ? "alpha" : "channel " + header.channels[c]);
+}
+
 /// What a picture says a label is, for messages.
 std::string kind(const PageHeader& header, bool gray, std::uint32_t bits) {
   return std::string(gray ? "gray" : "colors") +
@@ -88,6 +95,10 @@ Status LabelSlices::check(const PageHeader& header, std::uint32_t stored_bits) {
   return {};
 }
 
+void LabelSlices::note_losses(const PageHeader& header, ReadNotes& notes) const {
+  note_other_channels(header, channels_, notes);
+}
+
 Status LabelSlices::append(PageSamples samples) {
   const auto [r, g, b] = channels_.index;
   if (!channels_.gray) {
@@ -134,6 +145,11 @@ Status ColorSlices::check(const PageHeader& header, std::uint32_t) {
   return {};
 }
 
+void ColorSlices::note_losses(const PageHeader& header, ReadNotes& notes) const {
+  note_other_channels(header, channels_, notes);
+  if (header.is_float || header.bits > 8) notes.lose("precision of colors beyond 8 bits");
+}
+
 Status ColorSlices::append(PageSamples samples) {
   for_each_pixel(header_, samples, [&](const std::uint32_t* pixel, std::uint32_t, std::uint32_t) {
     Rgb8 color{};
@@ -154,6 +170,10 @@ Status ScalarSlices::begin(const Index3& size) try {
 Status ScalarSlices::check(const PageHeader& header, std::uint32_t) {
   header_ = header;
   return {};
+}
+
+void ScalarSlices::note_losses(const PageHeader& header, ReadNotes& notes) const {
+  for (std::size_t c = 1; c < header.channels.size(); ++c) notes.lose("channel " + header.channels[c]);
 }
 
 Status ScalarSlices::append(PageSamples samples) {

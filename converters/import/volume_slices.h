@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "converters/image/page_reader.h"
+#include "converters/import/read_notes.h"
 #include "format/cell_object.h"
 #include "sdk/tiles/labels.h"
 
@@ -22,6 +23,8 @@ class VolumeSlices {
   [[nodiscard]] virtual Status check(const PageHeader& header, std::uint32_t stored_bits) = 0;
   /// Whether integers, too, are wanted as floats of the same value, see PageSink.
   [[nodiscard]] virtual bool as_floats() const { return false; }
+  /// What of slices like this is passed over.
+  virtual void note_losses(const PageHeader& header, ReadNotes& notes) const = 0;
   /// Appends the next slice, which is like the last that was checked. Errors: kInvalidInput.
   [[nodiscard]] virtual Status append(PageSamples samples) = 0;
 };
@@ -42,6 +45,7 @@ class LabelSlices final : public VolumeSlices {
   [[nodiscard]] std::uint32_t least_side() const override { return 4; }
   [[nodiscard]] Status begin(const Index3& resolution) override;
   [[nodiscard]] Status check(const PageHeader& header, std::uint32_t stored_bits) override;
+  void note_losses(const PageHeader& header, ReadNotes& notes) const override;
   [[nodiscard]] Status append(PageSamples samples) override;
 
   LabelVolume volume;
@@ -58,6 +62,7 @@ class ColorSlices final : public VolumeSlices {
   [[nodiscard]] std::uint32_t least_side() const override { return 1; }
   [[nodiscard]] Status begin(const Index3& resolution) override;
   [[nodiscard]] Status check(const PageHeader& header, std::uint32_t stored_bits) override;
+  void note_losses(const PageHeader& header, ReadNotes& notes) const override;
   [[nodiscard]] Status append(PageSamples samples) override;
 
   ColorMap map;
@@ -73,6 +78,7 @@ class ScalarSlices final : public VolumeSlices {
   [[nodiscard]] std::uint32_t least_side() const override { return 2; }
   [[nodiscard]] Status begin(const Index3& resolution) override;
   [[nodiscard]] Status check(const PageHeader& header, std::uint32_t stored_bits) override;
+  void note_losses(const PageHeader& header, ReadNotes& notes) const override;
   [[nodiscard]] Status append(PageSamples samples) override;
 
   [[nodiscard]] bool as_floats() const override { return true; }

@@ -72,6 +72,12 @@ bool read_attribute(const draco::PointAttribute& attribute, std::uint32_t points
   }
 }
 
+const char* attribute_name(draco::GeometryAttribute::Type type) {
+  return type == draco::GeometryAttribute::NORMAL      ? "normals"
+         : type == draco::GeometryAttribute::TEX_COORD ? "texture coordinates"
+                                                       : "other attributes of vertices";
+}
+
 }  // namespace
 
 Result<DracoMesh> decode_draco(std::span<const std::byte> bytes, std::span<const std::uint32_t> ids) {
@@ -105,6 +111,9 @@ Result<DracoMesh> decode_draco(std::span<const std::byte> bytes, std::span<const
     wanted = {mesh->GetNamedAttribute(draco::GeometryAttribute::POSITION),
               mesh->GetNamedAttribute(draco::GeometryAttribute::COLOR)};
     if (!wanted[0]) return damaged("it has no positions");
+    for (std::int32_t i = 0; i < mesh->num_attributes(); ++i)
+      if (const draco::PointAttribute* other = mesh->attribute(i); other != wanted[0] && other != wanted[1])
+        result.notes.lose(attribute_name(other->attribute_type()));
   }
   for (const draco::PointAttribute* attribute : wanted) {
     result.attributes.emplace_back();

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "converters/import/read_notes.h"
 #include "format/result.h"
 #include "sdk/core/triangle_mesh.h"
 
@@ -25,6 +26,7 @@ struct DracoMesh {
   std::uint32_t points = 0;
   std::vector<Triangle> triangles;      ///< of points
   std::vector<DracoValues> attributes;  ///< in the order asked for
+  ReadNotes notes;                      ///< of attributes that are neither, where none were asked for
 };
 
 /// What is wanted of a stream: attributes by their unique ids, or, with an empty list, position and color;

@@ -25,10 +25,12 @@ Result<WorkerMesh> read_drc(std::span<const std::byte> bytes) {
       return Error{ErrorCode::kInvalidInput,
                    "the mesh has a vertex whose place is not finite (NaN or infinite); repair it"};
   }
+  read.notes = draco->notes;
   const DracoValues& colors = draco->attributes[1];
   if (colors.components >= 3)
     for (const auto& c : colors.values) {
       Rgb8 color{};
+      if (colors.components == 4 && c[3] < colors.full) read.notes.lose("alpha");
       for (std::size_t k = 0; k < 3; ++k) {
         const double x = c[k] / colors.full;
         color[k] = x > 0 ? std::uint8_t(std::min(x, 1.0) * 255 + 0.5) : std::uint8_t(0);

@@ -60,6 +60,14 @@ const std::string* find_any(const Keys& keys, std::initializer_list<std::string_
   return nullptr;
 }
 
+/// Names that are not in the list: what they say is passed over.
+std::vector<std::string> unused_names(const Keys& keys, std::initializer_list<std::string_view> known) {
+  std::vector<std::string> names;
+  for (const auto& entry : keys)
+    if (std::find(known.begin(), known.end(), entry.first) == known.end()) names.push_back(entry.first);
+  return names;
+}
+
 Status set_size(const std::array<double, 3>& size, const ScanReadOptions& options, ScanHead& head) {
   std::uint64_t voxels = 1;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -150,6 +158,27 @@ Result<ScanHead> parse_meta(std::string_view text, const ScanReadOptions& option
         "MET_USHORT, MET_SHORT, MET_FLOAT");
   head.number = row->second;
   head.big_endian = is_true(find_any(keys, {"ElementByteOrderMSB", "BinaryDataByteOrderMSB"}));
+  head.unused = unused_names(keys, {"ObjectType",
+                                    "ObjectSubType",
+                                    "NDims",
+                                    "BinaryData",
+                                    "BinaryDataByteOrderMSB",
+                                    "ElementByteOrderMSB",
+                                    "CompressedData",
+                                    "DimSize",
+                                    "ElementSpacing",
+                                    "ElementSize",
+                                    "Offset",
+                                    "Position",
+                                    "Origin",
+                                    "TransformMatrix",
+                                    "Rotation",
+                                    "Orientation",
+                                    "CenterOfRotation",
+                                    "ElementNumberOfChannels",
+                                    "HeaderSize",
+                                    "ElementType",
+                                    "ElementDataFile"});
   if (*file == "LOCAL") {
     head.data_at = at;
     return head;
@@ -212,6 +241,8 @@ Result<ScanHead> parse_inr(std::string_view text, const ScanReadOptions& options
   if (order != "decm" && order != "alpha" && order != "pc" && order != "sun" && order != "sgi")
     return wrong("the order of its bytes (CPU) is not known; there are: decm, alpha, pc, sun, sgi");
   head.big_endian = order == "sun" || order == "sgi";
+  head.unused = unused_names(keys, {"XDIM", "YDIM", "ZDIM", "VDIM", "VX", "VY", "VZ", "TX", "TY", "TZ",
+                                    "TYPE", "PIXSIZE", "CPU", "SCALE"});
   return head;
 }
 
@@ -253,6 +284,9 @@ Result<SparseVolume> read_scan(const std::string& path, const ScanReadOptions& o
   if (!file->read_at(0, begin)) return Error{ErrorCode::kUnreadable, "it cannot be read; try again"};
   const Result<ScanHead> head = parse_scan_head(begin, options);
   if (!head) return head.error();
+  constexpr std::size_t kMaxName = 48;
+  if (notes)
+    for (const std::string& name : head->unused) notes->lose("field " + name.substr(0, kMaxName));
   const std::uint64_t bytes = head->voxel_count() * head->number_bytes();
   std::optional<Result<InputFile>> beside;
   if (!head->data_file.empty()) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "converters/import/read_notes.h"
 #include "converters/vdb/sparse_volume.h"
@@ -24,8 +25,9 @@ struct ScanHead {
   Number number = Number::kU8;
   bool big_endian = false;
   Transform index_to_world;
-  std::string data_file;    ///< a name without folders; empty if the numbers follow the head
-  std::size_t data_at = 0;  ///< where they begin
+  std::string data_file;            ///< a name without folders; empty if the numbers follow the head
+  std::size_t data_at = 0;          ///< where they begin
+  std::vector<std::string> unused;  ///< names of what else the head says
   [[nodiscard]] std::uint64_t voxel_count() const { return std::uint64_t{size[0]} * size[1] * size[2]; }
   [[nodiscard]] std::uint64_t number_bytes() const {
     return number == Number::kFloat ? 4 : number == Number::kU8 || number == Number::kI8 ? 1 : 2;
@@ -46,7 +48,8 @@ inline constexpr const char* kScanExtensions = ".mhd, .mha, .inr";
 /// Reads a scan, samples of a scalar in a box: a MetaImage, whose numbers follow its head or are in a file
 /// beside it, or an INRIMAGE-4. Of 3 dimensions and one channel, uncompressed, numbers of 8 or 16 bits or
 /// floats; with spacing and offset, axes that are turned are refused. The first sample is at the offset;
-/// beyond the samples all is as the least of them. `notes`: the file beside it.
+/// beyond the samples all is as the least of them. `notes`: the file beside
+/// it, and what else the head says.
 /// Untrusted input: safe; the size of the file is checked before memory is taken. Errors: kUnreadable,
 /// kInvalidInput, kLimit.
 [[nodiscard]] Result<SparseVolume> read_scan(const std::string& path, const ScanReadOptions& options = {},

@@ -52,7 +52,7 @@ const std::map<std::string, Expected> kTable = {
     {"env/KernerEnvCube.exr", {true, ""}},
     {"env/noon_grass_1k.hdr", {true, ""}},
     {"env/san_giuseppe_bridge.hdr", {true, ""}},
-    {"heights/SainteHelens.dem", {false, "neither its content nor its extension"}},
+    {"heights/SainteHelens.dem", {false, "a USGS digital elevation model"}},
     {"heights/bigtujunga.tif", {true, ""}},
     {"heights/brickwall_albedo.png", {true, "lossy"}},
     {"heights/brickwall_height.png", {true, "lossy"}},

@@ -70,6 +70,22 @@ TEST_CASE("volume command: a level set is filled, with the colors of another gri
   CHECK(inside_volume(load(folder / "b.meso")) < inside);
 }
 
+TEST_CASE("volume command: grids that were not taken are losses") {
+  const Folder folder;
+  const std::string vdb = ball_file(folder), out = folder / "ball.meso";
+  const auto losses = [&](const std::vector<std::string>& more) {
+    const Run run = convert(vdb, out, more);
+    INFO(run.err);
+    REQUIRE(run.exit == 0);
+    return run.json()["losses"];
+  };
+  CHECK(losses({}) == nlohmann::json{"grid Cd"});
+  CHECK(losses({"--grid", "ball", "--color", "wood"}) == nlohmann::json{"grid Cd"});
+  CHECK(losses({"--color", "grid"}).empty());
+  CHECK(losses({"--color", "volume:file=" + vdb}).empty());
+  CHECK(losses({"--color", "volume:grid=Cd,file=" + vdb}).empty());
+}
+
 TEST_CASE("volume command: info lists grids") {
   const Folder folder;
   const Run run = run_command({"info", ball_file(folder), "--json"});

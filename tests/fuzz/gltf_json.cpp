@@ -28,8 +28,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const std::size_t end = std::min(text.find('\0'), text.size());
   std::vector<MeshWarning> warnings;
-  const auto glb =
-      normalize_gltf(text.substr(0, end), bytes.subspan(std::min(end + 1, bytes.size())), read_any, warnings);
+  ReadNotes notes;
+  const auto glb = normalize_gltf(text.substr(0, end), bytes.subspan(std::min(end + 1, bytes.size())),
+                                  read_any, warnings, notes);
   if (!glb) {
     MESOCELL_FUZZ_CHECK(!glb.error().message.empty());
     return 0;
@@ -42,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   MESOCELL_FUZZ_CHECK(number_at(made, 20 + json_bytes) == made.size() - 28 - json_bytes);
   const std::string_view json(reinterpret_cast<const char*>(made.data()) + 20, json_bytes);
   std::vector<MeshWarning> none;
-  const auto again = normalize_gltf(json, made.subspan(28 + json_bytes), read_any, none);
+  const auto again = normalize_gltf(json, made.subspan(28 + json_bytes), read_any, none, notes);
   MESOCELL_FUZZ_CHECK(again.ok());
   return 0;
 }

@@ -37,6 +37,7 @@ std::vector<fuzz::Bytes> fuzz::seeds() {
   WorkerMesh mesh;
   const std::vector<std::byte> nothing = write_mesh_message(mesh);
   mesh.warnings = {{"renamed", "it is"}};
+  mesh.notes.losses = {"alpha", "normals"};
   mesh.painted.mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}};
   SurfacePaint& paint = mesh.painted.paint;
   paint.face_colors = {{9, 9, 9}};

@@ -105,7 +105,7 @@ GltfScene scene_of(const TriangleMesh& mesh) {
   return scene;
 }
 
-std::string draco_bytes(const TriangleMesh& source, DracoMethod method) {
+std::string draco_bytes(const TriangleMesh& source, DracoMethod method, DracoNormals normals) {
   draco::Mesh mesh;
   mesh.set_num_points(std::uint32_t(source.vertices.size()));
   add_attribute(mesh, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, false, packed_positions(source));
@@ -113,6 +113,8 @@ std::string draco_bytes(const TriangleMesh& source, DracoMethod method) {
   for (const Rgb8& color : source.colors)
     for (const std::uint8_t channel : color) colors += char(channel);
   if (!colors.empty()) add_attribute(mesh, draco::GeometryAttribute::COLOR, draco::DT_UINT8, true, colors);
+  if (normals == DracoNormals::kSome)
+    add_attribute(mesh, draco::GeometryAttribute::NORMAL, draco::DT_FLOAT32, false, packed_positions(source));
   for (const Triangle& t : source.triangles)
     mesh.AddFace({draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
   draco::Encoder encoder;

@@ -42,7 +42,8 @@ template <typename T>
 /// A mesh compressed by Draco; unique ids are 0 of the positions and 1 of the colors, if it has some. As a
 /// list of triangles without loss, or by its connectivity in 14 bits, which changes the order of points.
 enum class DracoMethod : std::uint8_t { kSequential, kEdgebreaker };
-[[nodiscard]] std::string draco_bytes(const TriangleMesh& mesh,
-                                      DracoMethod method = DracoMethod::kSequential);
+enum class DracoNormals : std::uint8_t { kNone, kSome };
+[[nodiscard]] std::string draco_bytes(const TriangleMesh& mesh, DracoMethod method = DracoMethod::kSequential,
+                                      DracoNormals normals = DracoNormals::kNone);
 
 }  // namespace mesocell::test

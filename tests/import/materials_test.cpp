@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <string>
 #include <string_view>
 
+#include "converters/import/height_file.h"
 #include "converters/import/mesh_file.h"
 #include "converters/import/sniff.h"
 #include "tests/import/mesh_bytes.h"
@@ -200,13 +202,22 @@ TEST_CASE("a mesh is read as what it is, whatever its name") {
 
 TEST_CASE("what is no mesh is called by its name") {
   using namespace std::string_view_literals;
-  const std::pair<std::string_view, std::string_view> kContents[] = {
-      {" BDV\0\0\0\0\x7f"sv, "OpenVDB"}, {"II*\0\x08\0\0\0"sv, "TIFF"},
-      {"MM\0*\0\0\0\x08"sv, "TIFF"},     {"II+\0\x08\0\0\0"sv, "TIFF"},
-      {"#?RADIANCE\nFORMAT"sv, "HDR"},   {"DDS |\0\0\0"sv, "DDS"},
-      {"#INRIMAGE-4#{\n"sv, "INRIMAGE"}, {"ObjectType = Image\n"sv, "Meta"},
-      {"NRRD0004\n"sv, "NRRD"},          {"GIF89a"sv, "GIF"},
-      {"\x76\x2f\x31\x01\2"sv, "EXR"},   {"PK\x03\x04"sv, "zip"}};
+  const std::pair<std::string_view, std::string_view> kContents[] = {{" BDV\0\0\0\0\x7f"sv, "OpenVDB"},
+                                                                     {"II*\0\x08\0\0\0"sv, "TIFF"},
+                                                                     {"MM\0*\0\0\0\x08"sv, "TIFF"},
+                                                                     {"II+\0\x08\0\0\0"sv, "TIFF"},
+                                                                     {"#?RADIANCE\nFORMAT"sv, "HDR"},
+                                                                     {"DDS |\0\0\0"sv, "DDS"},
+                                                                     {"#INRIMAGE-4#{\n"sv, "INRIMAGE"},
+                                                                     {"ObjectType = Image\n"sv, "Meta"},
+                                                                     {"NRRD0004\n"sv, "NRRD"},
+                                                                     {"GIF89a"sv, "GIF"},
+                                                                     {"\x76\x2f\x31\x01\2"sv, "EXR"},
+                                                                     {"PK\x03\x04"sv, "zip"},
+                                                                     {"LASF\0\0"sv, "LAS"},
+                                                                     {"UHL11180"sv, "DTED"},
+                                                                     {" NCOLS  12\nnrows"sv, "ESRI"},
+                                                                     {"\x89HDF\r\n\x1a\n\0"sv, "HDF5"}};
   for (const auto& [bytes, name] : kContents)
     CHECK(sniff_content(bytes).find(name) != std::string_view::npos);
   CHECK(sniff_content("DRACO\2\2\1\1"sv) == kDracoContent);
@@ -221,6 +232,48 @@ TEST_CASE("what is no mesh is called by its name") {
     CHECK(mesh.error().code == ErrorCode::kInvalidInput);
     CHECK(mesh.error().message.find(name) != std::string::npos);
   }
+}
+
+TEST_CASE("terrain that is not read is called by its name, with what to do") {
+  const TempFolder folder;
+  const auto refusal = [&](const std::string& name, const std::string& bytes) {
+    const std::string path = folder.write(name, bytes);
+    const auto mesh = read_mesh_file(path);
+    REQUIRE_FALSE(mesh.ok());
+    CHECK(mesh.error().code == ErrorCode::kInvalidInput);
+    // By who wants heights, as well.
+    const auto heights = read_height_file(path);
+    REQUIRE_FALSE(heights.ok());
+    CHECK(heights.error().message == mesh.error().message);
+    return mesh.error().message;
+  };
+  // Level 1, a regular pattern, UTM; metres twice, four sides [USGS, Standards for Digital Elevation Models].
+  std::string usgs(1024, ' ');
+  const auto put = [&](std::size_t at, const char* text) { usgs.replace(at, std::strlen(text), text); };
+  put(0, "SOME HILLS");
+  put(144, "     1     1     1    10");
+  put(528, "     2     2     4");
+  CHECK(refusal("a.dem", usgs).find("a USGS digital elevation model, which is not read; convert it") !=
+        std::string::npos);
+  CHECK(refusal("a.dem", usgs).find("gdal_translate") != std::string::npos);
+  for (const std::size_t at : {149u, 155u, 161u, 533u, 539u, 545u, 3u}) {
+    INFO(at);
+    std::string other = usgs;
+    other[at] = at == 3 ? '\0' : '9';
+    if (at == 161) other.replace(159, 3, "999");
+    CHECK(sniff_content(other).empty());
+  }
+  CHECK(sniff_content(usgs.substr(0, 863)).empty());
+  CHECK(refusal("a", "ncols 3\nnrows 2\n").find("ESRI ASCII grid, which is not read; convert") !=
+        std::string::npos);
+  CHECK(refusal("a.laz", "LASF" + std::string(300, '\1')).find("PDAL") != std::string::npos);
+  CHECK(refusal("N46W122.HGT", std::string(2 * 1201 * 1201, '\1')).find("SRTM") != std::string::npos);
+  CHECK(sniff_name(".hgt", 2 * 3601 * 3601) == sniff_name(".hgt", 2 * 1201 * 1201));
+  CHECK(sniff_name(".hgt", 1201 * 1201).empty());
+  CHECK(sniff_name(".raw", 2 * 1201 * 1201).empty());
+  for (const std::string_view other : {"ncolsx 3", "ncols", "ncols x", "DS", ""})
+    CHECK(sniff_content(other).empty());
+  CHECK(terrain_remedy(kPlyContent).empty());
 }
 
 TEST_CASE("STL: a wrong header and normals that are not numbers are warnings") {

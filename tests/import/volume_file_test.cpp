@@ -385,6 +385,42 @@ TEST_CASE("a volume texture has its slices, rows from the top and colors as they
   CHECK(is_slice_stack(path));
 }
 
+TEST_CASE("what of slices is passed over is told") {
+  using Losses = std::set<std::string>;
+  const TempFolder folder;
+  PlainPicture rgba{4, 4, 4, std::vector<std::uint32_t>(64, 5)};
+  const auto of_colors = [&](const std::string& path) {
+    ReadNotes notes;
+    REQUIRE(read_color_volume(path, {}, nullptr, &notes).ok());
+    return notes.losses;
+  };
+  const std::string alpha = folder.write("a.png", png_bytes(rgba));
+  CHECK(of_colors(alpha) == Losses{"alpha"});
+  const std::string deep = folder.write("b.png", png_bytes({1, 1, 3, {1, 2, 3}}, {.bits = 16}));
+  CHECK(of_colors(deep) == Losses{"precision of colors beyond 8 bits"});
+  CHECK(of_colors(folder.write("c.png", png_bytes({1, 1, 3, {1, 2, 3}}))).empty());
+  const std::string stack =
+      folder.write("v.tif", tiff_bytes({rgba, rgba, rgba, rgba}, {.tags = {{338, {2}}}}));
+  ReadNotes notes;
+  REQUIRE(read_label_volume(stack, {}, nullptr, &notes).ok());
+  CHECK(notes.losses == Losses{"alpha"});
+  notes = {};
+  REQUIRE(read_scalar_volume(stack, {}, nullptr, &notes).ok());
+  CHECK(notes.losses == Losses{"channel A", "channel B", "channel G"});
+  notes = {};
+  const auto with = [](std::string bytes, std::size_t at, std::uint32_t bits) {
+    for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = char(std::uint8_t(bytes[at + k]) | bits >> (8 * k));
+    return bytes;
+  };
+  const std::string dds = dds_bytes(4, 4, 4, true);
+  REQUIRE(read_label_volume(folder.write("a.dds", dds), {}, nullptr, &notes).ok());
+  CHECK(notes.losses.empty());
+  const std::string more = with(with(with(dds, 8, 0x20000), 28, 3), 80, 1);
+  REQUIRE(read_label_volume(folder.write("b.dds", more), {}, nullptr, &notes).ok());
+  CHECK(notes.losses == Losses{"alpha", "levels of detail"});
+  CHECK(notes.files.empty());
+}
+
 TEST_CASE("a volume texture that is damaged or of another kind is refused") {
   const TempFolder folder;
   const std::string whole = dds_bytes(5, 4, 6, true);
