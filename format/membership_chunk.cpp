@@ -13,7 +13,7 @@ namespace {
 
 using std::to_string;
 
-constexpr std::uint64_t kFieldBytes = 36;
+constexpr std::uint64_t kMembershipFieldBytes = 36;
 constexpr std::uint32_t kMixed = 3;
 constexpr std::uint64_t kRankBytes = 4;
 
@@ -158,7 +158,7 @@ std::optional<MembershipMap> decode_membership(const ChunkPayload& chunk, const 
   const MembershipHeader header = read_membership_header(chunk.bytes);
   if (header.rule > static_cast<std::uint32_t>(MembershipRule::kConservative))
     add_issue(sink, IssueId::kMembRule, chunk, 0, to_string(header.rule));
-  check_payload_zeros(chunk, kFieldBytes, kPartAlignment, IssueId::kPayloadReserved, sink);
+  check_payload_zeros(chunk, kMembershipFieldBytes, kPartAlignment, IssueId::kPayloadReserved, sink);
   if (tile ? header.cell_count != tile->cell_count
            : header.cell_count == 0 || header.cell_count > kMaxCells) {
     add_issue(sink, IssueId::kMembCellCount, chunk, 4,

@@ -10,7 +10,7 @@ namespace {
 using std::to_string;
 
 constexpr std::uint32_t kDraco = 0;
-constexpr std::uint64_t kFieldBytes = 24;
+constexpr std::uint64_t kMeshFieldBytes = 24;
 constexpr std::uint32_t kMostCount = 0x7fffffff;
 
 }  // namespace
@@ -46,7 +46,7 @@ std::optional<BasicMesh> decode_basic_mesh(const ChunkPayload& chunk, MemoryBudg
   if (mesh.vertices < 3 || mesh.vertices > kMostCount || mesh.triangles < 1 || mesh.triangles > kMostCount)
     add_issue(sink, IssueId::kMeshCounts, chunk, 16,
               to_string(mesh.vertices) + " vertices, " + to_string(mesh.triangles) + " triangles");
-  check_payload_zeros(chunk, kFieldBytes, kPartAlignment, IssueId::kPayloadReserved, sink);
+  check_payload_zeros(chunk, kMeshFieldBytes, kPartAlignment, IssueId::kPayloadReserved, sink);
   if (sink.errors() != errors_before) return std::nullopt;
   if (!budget.charge(bytes)) {
     sink.add(IssueId::kLimitExceeded, std::nullopt, chunk.type, "memory for the basic mesh");

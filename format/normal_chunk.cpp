@@ -14,7 +14,7 @@ using std::to_string;
 using Code = std::array<std::uint8_t, 2>;
 static_assert(sizeof(Code) == 2);
 constexpr std::uint32_t kOctahedral = 0;
-constexpr std::uint64_t kFieldBytes = 8;
+constexpr std::uint64_t kNormalFieldBytes = 8;
 
 /// Finding the boundary takes up to this much for a voxel of one slice; the same on every machine, so that
 /// limits are.
@@ -41,7 +41,7 @@ std::optional<NormalMap> decode_normals(const ChunkPayload& chunk, const TileMap
   if (const std::uint32_t encoding = in.u32(); encoding != kOctahedral)
     add_issue(sink, IssueId::kNormalEncoding, chunk, 0, to_string(encoding));
   normals.max_error_degrees = check_stated_error(chunk, 4, sink);
-  check_payload_zeros(chunk, kFieldBytes, kPartAlignment, IssueId::kPayloadReserved, sink);
+  check_payload_zeros(chunk, kNormalFieldBytes, kPartAlignment, IssueId::kPayloadReserved, sink);
   const auto codes = chunk.bytes.subspan(kPartAlignment);
   for (std::size_t i = 0; i < codes.size() && sink.wants(IssueId::kNormalCode); ++i) {
     if (std::to_integer<std::uint8_t>(codes[i]) > kMaxNormalByte)

@@ -12,7 +12,7 @@
 namespace mesocell {
 namespace {
 
-struct Format {
+struct ReadableFormat {
   std::string_view extension;
   const char* name;  ///< the image library's
 };
@@ -20,11 +20,12 @@ struct Format {
 /// Of pixels; the library takes memory for up to 256 rows before a picture can be refused.
 constexpr std::uint32_t kMaxExrSide = 1u << 16;
 
-constexpr std::array<Format, 3> kFormats = {{{".png", "png"}, {".exr", "openexr"}, {".hdr", "hdr"}}};
+constexpr std::array<ReadableFormat, 3> kReadableFormats = {
+    {{".png", "png"}, {".exr", "openexr"}, {".hdr", "hdr"}}};
 
-const Format* find_format(const std::string& path) {
+const ReadableFormat* find_readable(const std::string& path) {
   const std::string extension = lower_extension(path);
-  for (const Format& format : kFormats)
+  for (const ReadableFormat& format : kReadableFormats)
     if (format.extension == extension) return &format;
   return nullptr;
 }
@@ -66,10 +67,10 @@ float decode_srgb(float encoded) {
 
 }  // namespace
 
-bool is_readable_image(const std::string& path) { return find_format(path) != nullptr; }
+bool is_readable_image(const std::string& path) { return find_readable(path) != nullptr; }
 
 Result<Image> read_image_file(const std::string& path, const ImageReadLimits& limits) {
-  const Format* format = find_format(path);
+  const ReadableFormat* format = find_readable(path);
   if (!format)
     return Error{
         ErrorCode::kUsage,

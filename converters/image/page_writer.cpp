@@ -15,12 +15,12 @@ struct PageFormat {
   std::string_view extension;
   const char* name;
 };
-constexpr std::array<PageFormat, 4> kFormats = {
+constexpr std::array<PageFormat, 4> kPageFormats = {
     {{".png", "png"}, {".tif", "tiff"}, {".tiff", "tiff"}, {".exr", "openexr"}}};
 
-const PageFormat* find_format(const std::string& path) {
+const PageFormat* find_page_format(const std::string& path) {
   const std::string extension = lower_extension(path);
-  for (const PageFormat& format : kFormats)
+  for (const PageFormat& format : kPageFormats)
     if (format.extension == extension) return &format;
   return nullptr;
 }
@@ -66,7 +66,7 @@ std::size_t page_sample_bytes(PageSampleType type) {
 }
 
 Status check_page_path(const std::string& path, PageSampleType type, std::uint32_t pages) {
-  const PageFormat* format = find_format(path);
+  const PageFormat* format = find_page_format(path);
   const auto usage = [](std::string text) { return Error{ErrorCode::kUsage, std::move(text)}; };
   if (!format) return usage("its extension is not one of pictures; use .png, .tif or .exr");
   const std::string_view name = format->name;
@@ -85,9 +85,14 @@ Result<std::vector<std::byte>> encode_pages(const std::string& path, const PageS
   if (!module) return module.error();
   std::vector<const char*> names;
   for (const std::string& name : stack.channels) names.push_back(name.c_str());
-  const MesocellImage picture{
-      find_format(path)->name, stack.width,  stack.height,        std::uint32_t(names.size()), stack.pages,
-      pixel_type(stack.type),  names.data(), stack.samples.data()};
+  const MesocellImage picture{find_page_format(path)->name,
+                              stack.width,
+                              stack.height,
+                              std::uint32_t(names.size()),
+                              stack.pages,
+                              pixel_type(stack.type),
+                              names.data(),
+                              stack.samples.data()};
   std::array<char, 512> message{};
   std::vector<std::byte> bytes;
   if (module->encode(&picture, take_bytes, &bytes, message.data(), message.size()) != 0)

@@ -42,8 +42,6 @@ int base64_digit(char c) {
   return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
 }
 
-std::string numbered(const char* what, std::size_t i) { return std::string(what) + " " + std::to_string(i); }
-
 }  // namespace
 
 std::optional<std::vector<std::byte>> decode_data_uri(std::string_view uri) {

@@ -16,7 +16,12 @@ struct GltfFault {
   Error error;
 };
 
-/// `where`: "accessor 3".
+/// "accessor 3"
+inline std::string numbered(const char* what, std::size_t i) {
+  return std::string(what) + " " + std::to_string(i);
+}
+
+/// `where`: as numbered() gives it.
 [[noreturn]] inline void gltf_fault(const std::string& where, const std::string& what) {
   throw GltfFault{{ErrorCode::kInvalidInput, where + " " + what + "; export the scene again"}};
 }

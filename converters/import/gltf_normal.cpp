@@ -44,8 +44,6 @@ constexpr std::array<std::string_view, 18> kKnown = {kDraco,
 constexpr std::array<std::string_view, 4> kMissed = {"EXT_texture_webp", "KHR_texture_basisu",
                                                      "KHR_materials_pbrSpecularGlossiness", "MSFT_lod"};
 
-std::string numbered(const char* what, std::size_t i) { return std::string(what) + " " + std::to_string(i); }
-
 bool is_type(const GltfData::Accessor& accessor, std::initializer_list<std::string_view> types,
              std::initializer_list<int> components) {
   return std::find(types.begin(), types.end(), accessor.type) != types.end() &&

@@ -9,7 +9,7 @@
 namespace mesocell {
 namespace {
 
-const char* group_title(const std::string& group) {
+const char* cast_group_title(const std::string& group) {
   if (group == "thin") return "Thin cells in tiles of 256 voxels";
   if (group == "gaps") return "Gaps between cells";
   if (group == "grazing") return "Grazing angles: slats of one voxel";
@@ -108,7 +108,7 @@ std::string cast_heat_map(std::span<const CastResult> results, std::string_view 
   const std::size_t methods = count_methods(results);
   for (std::size_t m = 0; m < methods; ++m) map.columns.push_back(results[m].method);
   for (std::size_t k = 0; k < results.size(); ++k) {
-    if (k % methods == 0) map.rows.push_back({group_title(results[k].group), results[k].row(), {}});
+    if (k % methods == 0) map.rows.push_back({cast_group_title(results[k].group), results[k].row(), {}});
     map.rows.back().cells.push_back({results[k].errors.wrong_percent(), verdict_text(results[k])});
   }
   return draw_heat_map(map);

@@ -12,7 +12,7 @@
 namespace mesocell {
 namespace {
 
-constexpr double kMargin = 3;  ///< voxels
+constexpr double kMarginVoxels = 3;  ///< voxels
 
 /// "0.1 %", "1e-4".
 std::string strength_text(const Damage& damage, double strength) {
@@ -146,10 +146,10 @@ VoxelFrame frame_of(const TriangleMesh& mesh, std::uint32_t resolution) {
   const Vec3 extent = box.extent();
   const double side = std::max({extent.x, extent.y, extent.z});
   VoxelFrame frame;
-  frame.voxel_edge = side / (resolution - 2 * kMargin);
+  frame.voxel_edge = side / (resolution - 2 * kMarginVoxels);
   for (std::size_t a = 0; a < 3; ++a) {
     const double voxels =
-        extent[a] == side ? resolution : std::ceil(extent[a] / frame.voxel_edge + 2 * kMargin);
+        extent[a] == side ? resolution : std::ceil(extent[a] / frame.voxel_edge + 2 * kMarginVoxels);
     frame.size[a] = std::uint32_t(voxels);
     frame.origin[a] = box.min[a] + extent[a] / 2 - voxels * frame.voxel_edge / 2;
   }

@@ -15,7 +15,7 @@ namespace {
 
 /// What is known of a set of voxels, as bits: some are inside, some are not.
 using Seen = std::uint8_t;
-constexpr Seen kNone = 0, kIn = 1, kOut = 2, kBoth = 3;
+constexpr Seen kNothing = 0, kIn = 1, kOut = 2, kBoth = 3;
 static_assert(kBoth == TouchFinder::kTouched);
 
 /// A run of one piece in a row of the tile, up to voxel `end`.
@@ -76,7 +76,7 @@ TileRows rows_of(const TileMap& tile) {
 
 /// What the surface does to one tile: the same for all its voxels, or what was seen of each piece.
 struct TileState {
-  Seen uniform = kNone;      ///< kIn, kOut, or kBoth if `pieces` tells
+  Seen uniform = kNothing;   ///< kIn, kOut, or kBoth if `pieces` tells
   std::vector<Seen> pieces;  ///< by piece id; entry 0, the empty space, is not used
 };
 
@@ -99,7 +99,7 @@ class Bundle {
       states_[t].uniform = inside_[t] == 0 ? kOut : inside_[t] == all ? kIn : kBoth;
       states_[t].pieces.clear();
       if (states_[t].uniform != kBoth) continue;
-      states_[t].pieces.assign(tile_.pieces.size() + 1, kNone);
+      states_[t].pieces.assign(tile_.pieces.size() + 1, kNothing);
       place_[t] = std::uint32_t(mixed_.size());
       mixed_.push_back(t);
     }
@@ -330,7 +330,7 @@ class Merger {
     std::size_t k = 0;
     bool alike = true;
     for (std::uint32_t cell = 1; cell <= tile_.cell_count; ++cell) {
-      Seen seen = kNone;
+      Seen seen = kNothing;
       for (; k < tile_.pieces.size() && tile_.pieces[k].cell == cell; ++k) {
         const auto& h = tile_.pieces[k].home;
         const TileState* s = state(x - h[0], y - h[1], z - h[2]);
@@ -350,7 +350,7 @@ class Merger {
 
   /// What is seen of all tiles that instances at home here can reach.
   [[nodiscard]] Seen neighbourhood(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    Seen seen = kNone;
+    Seen seen = kNothing;
     for (std::int64_t dz = low_[2]; dz <= high_[2]; ++dz)
       for (std::int64_t dy = low_[1]; dy <= high_[1]; ++dy)
         for (std::int64_t dx = low_[0]; dx <= high_[0]; ++dx) {

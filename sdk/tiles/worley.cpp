@@ -16,12 +16,12 @@ namespace {
 constexpr std::uint32_t kNearest = 4;
 using Combination = std::array<double, kNearest>;
 
-Error usage(std::string text) { return {ErrorCode::kUsage, std::move(text)}; }
+Error worley_usage(std::string text) { return {ErrorCode::kUsage, std::move(text)}; }
 
 /// A sum such as "f2-f1" or "0.5*f1+f3", as factors of F1…F4.
 Result<Combination> parse_combination(std::string_view text) {
-  const Error error =
-      usage("combine=" + std::string(text) + " is not a sum of f1, f2, f3, f4, as in f2-f1 or 2*f3-f1");
+  const Error error = worley_usage("combine=" + std::string(text) +
+                                   " is not a sum of f1, f2, f3, f4, as in f2-f1 or 2*f3-f1");
   Combination sum{};
   bool first = true;
   while (!text.empty() || first) {
@@ -78,7 +78,7 @@ Result<TileMap> make_worley_tile(const GeneratorOptions& options, TileReport* re
   const Result<double> threshold = number_option(options.recipe, "threshold", 0.1, -100, 100);
   if (!threshold) return threshold.error();
   const std::string keep = own("keep", "above");
-  if (keep != "above" && keep != "below") return usage("keep=" + keep + " is not above or below");
+  if (keep != "above" && keep != "below") return worley_usage("keep=" + keep + " is not above or below");
 
   const std::vector<Seed> seeds = random_seeds(options, SeedMetric::kEuclidean);
   const double limit = *threshold * mean_spacing(options);
@@ -100,7 +100,8 @@ Result<TileMap> make_worley_tile(const GeneratorOptions& options, TileReport* re
   });
   if (!done) return Error{ErrorCode::kCancelled, "cancelled"};
   if (!any)
-    return usage("this threshold leaves the tile empty; F1 is about half, F2 to F4 up to one mean distance");
+    return worley_usage(
+        "this threshold leaves the tile empty; F1 is about half, F2 to F4 up to one mean distance");
   return builder.finish(options.threads, report);
 }
 

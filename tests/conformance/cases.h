@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +10,8 @@
 
 /// The cases of the conformance suite, as data: files of which it is known what a reader must say.
 namespace mesocell::test {
+
+inline constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
 
 struct Case {
   std::string name;         ///< unique: topic or issue id, slash, what is special

@@ -1,4 +1,3 @@
-#include <array>
 #include <utility>
 
 #include "tests/conformance/cases.h"
@@ -9,8 +8,6 @@ namespace mesocell::test {
 namespace {
 
 using std::to_string;
-
-constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
 
 std::vector<Rgb8> ramp(std::size_t count) {
   std::vector<Rgb8> colors(count);

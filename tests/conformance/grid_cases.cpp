@@ -11,8 +11,7 @@ namespace {
 
 using std::to_string;
 
-constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
-constexpr std::size_t kEdgeAt = 24, kTilesAt = 32, kFieldBytes = 44;
+constexpr std::size_t kEdgeAt = 24, kTilesAt = 32, kGridFieldBytes = 44;
 
 constexpr std::array<std::pair<const char*, std::uint64_t>, 6> kNotFinite = {
     {{"infinity", 0x7ff0000000000000},
@@ -164,7 +163,7 @@ void add_tiles_cases(CaseList& cases) {
 }  // namespace
 
 void add_grid_cases(CaseList& cases) {
-  add_chunk_header_cases(cases, tiny(), kGridChunk, kFieldBytes);
+  add_chunk_header_cases(cases, tiny(), kGridChunk, kGridFieldBytes);
   add_box_cases(cases);
   add_tiles_cases(cases);
 }

@@ -51,7 +51,7 @@ void add_magic_cases(CaseList& cases) {
                 Bytes(file.begin(), file.begin() + std::ptrdiff_t(bytes)));
 }
 
-void add_hash_cases(CaseList& cases) {
+void add_header_hash_cases(CaseList& cases) {
   const Bytes file = tiny().build();
   for (std::size_t bit = 0; bit < 64; bit += 5)
     cases.fault(with_bit_name("header-hash/bit-", bit), damaged(file, 56 + bit / 8, 1u << bit % 8));
@@ -75,7 +75,7 @@ void add_hash_cases(CaseList& cases) {
   cases.faults("header-hash/damaged-tables-hash", damaged(file, 32));
 }
 
-void add_size_cases(CaseList& cases) {
+void add_header_size_cases(CaseList& cases) {
   const Bytes file = tiny().build();
   const std::uint64_t size = file.size();
   const std::array<std::pair<const char*, std::uint64_t>, 12> stated = {
@@ -102,7 +102,7 @@ void add_size_cases(CaseList& cases) {
   }
 }
 
-void add_count_cases(CaseList& cases) {
+void add_header_count_cases(CaseList& cases) {
   const Bytes file = tiny().build();
   const std::array<std::pair<const char*, std::uint32_t>, 9> assets = {{{"zero", 0},
                                                                         {"1025", 1025},
@@ -183,9 +183,9 @@ void add_header_cases(CaseList& cases) {
   cases.valid("header/tiny", "3.1", tiny().build());
   cases.valid("header/small", "3.1", small().build());
   add_magic_cases(cases);
-  add_hash_cases(cases);
-  add_size_cases(cases);
-  add_count_cases(cases);
+  add_header_hash_cases(cases);
+  add_header_size_cases(cases);
+  add_header_count_cases(cases);
   add_directory_hash_cases(cases);
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using std::to_string;
 
-constexpr std::array<const char*, 4> kNames = {"grid", "tile", "memb", "text"};
+constexpr std::array<const char*, 4> kInOrder = {"grid", "tile", "memb", "text"};
 
 /// small() with `bytes` zeros before a chunk; that one's offset and the later ones are moved with them.
 Bytes with_gap(std::size_t chunk, std::size_t bytes) {
@@ -40,7 +40,7 @@ Bytes with_entries_swapped(std::size_t a, std::size_t b) {
 void add_offset_cases(CaseList& cases) {
   const Bytes file = small().build();
   for (std::size_t chunk = 0; chunk < 4; ++chunk) {
-    const std::string name = "chunk-offset/" + std::string(kNames[chunk]);
+    const std::string name = "chunk-offset/" + std::string(kInOrder[chunk]);
     for (const std::size_t gap : {64u, 128u})
       cases.fault(name + "-gap-of-" + to_string(gap), with_gap(chunk, gap));
     // Not a multiple of 64 either; the padding behind the last chunk is then too long.
@@ -61,10 +61,10 @@ void add_offset_cases(CaseList& cases) {
                                                                {"all-ones", ~0ull},
                                                                {"end-wraps", ~0ull - 63}}})
       if (chunk != 1)
-        cases.faults("chunk-bounds/offset-" + std::string(kNames[chunk]) + "-" + what,
+        cases.faults("chunk-bounds/offset-" + std::string(kInOrder[chunk]) + "-" + what,
                      patched(file, entry_at(chunk) + 16, value, 8));
     for (std::size_t other = chunk + 1; other < 3; ++other)
-      cases.fault(name + "-changes-places-with-" + kNames[other], with_entries_swapped(chunk, other));
+      cases.fault(name + "-changes-places-with-" + kInOrder[other], with_entries_swapped(chunk, other));
     if (chunk < 3) cases.faults(name + "-changes-places-with-text", with_entries_swapped(chunk, 3));
   }
   // Two chunks of the same bytes: nothing says that they may not share them but the order.
@@ -124,7 +124,7 @@ void add_bounds_cases(CaseList& cases) {
     cases.fault("chunk-bounds/chunk-of-" + to_string(size - offset), sized(file, size));
   // Whole chunks are gone.
   for (std::size_t chunk = 0; chunk < 3; ++chunk)
-    cases.faults("chunk-bounds/ends-before-" + std::string(kNames[chunk]),
+    cases.faults("chunk-bounds/ends-before-" + std::string(kInOrder[chunk]),
                  sized(file, get(file, entry_at(chunk) + 16, 8)));
 }
 
@@ -155,7 +155,7 @@ void add_order_cases(CaseList& cases) {
     std::string name = "layout/order";
     for (std::size_t i = 0; i < 4; ++i) {
       parts.chunks[i] = from.chunks[order[i]];
-      name += "-" + std::string(kNames[order[i]]);
+      name += "-" + std::string(kInOrder[order[i]]);
     }
     cases.valid(name, "3.3", parts.build());
   }

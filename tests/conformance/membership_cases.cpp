@@ -9,7 +9,7 @@ namespace {
 
 using std::to_string;
 
-constexpr std::size_t kFieldBytes = 36;
+constexpr std::size_t kMembershipFieldBytes = 36;
 constexpr std::uint32_t kPage = 4096;
 
 Bytes with_memb(std::size_t at, std::uint64_t value, unsigned bytes = 4) {
@@ -27,7 +27,7 @@ Bytes packed(TestFile parts) {
   return parts.build();
 }
 
-void add_field_cases(CaseList& cases) {
+void add_membership_field_cases(CaseList& cases) {
   for (unsigned bit = 1; bit < 32; bit += 2)
     cases.fault("memb-rule/bit-" + to_string(bit), with_bit(tiny(), kMembershipChunk, 0, bit));
   cases.fault("memb-rule/3", with_memb(0, 3));
@@ -267,8 +267,8 @@ void add_tag_cases(CaseList& cases) {
 }  // namespace
 
 void add_membership_cases(CaseList& cases) {
-  add_chunk_header_cases(cases, tiny(), kMembershipChunk, kFieldBytes);
-  add_field_cases(cases);
+  add_chunk_header_cases(cases, tiny(), kMembershipChunk, kMembershipFieldBytes);
+  add_membership_field_cases(cases);
   add_state_cases(cases);
   add_page_cases(cases);
   add_tag_cases(cases);

@@ -14,7 +14,7 @@ Bytes text(const Metadata& metadata) { return tiny_with(kTextChunk, encode_text(
 /// TEXT of one entry, "name" and "tiny": count, two sizes, eight letters, 20 bytes.
 TestFile one() { return small(); }
 
-void add_valid_cases(CaseList& cases) {
+void add_valid_text_cases(CaseList& cases) {
   cases.valid("text/none", "4.4", text({}));
   cases.valid("text/empty-value", "4.4", text({{"k", ""}}));
   cases.valid("text/one-byte", "4.4", text({{"k", "v"}}));
@@ -96,7 +96,7 @@ void add_entry_cases(CaseList& cases) {
   cases.fault("text-order/first-two-of-three", text({{"b", ""}, {"a", ""}, {"c", ""}}));
 }
 
-void add_size_cases(CaseList& cases) {
+void add_text_size_cases(CaseList& cases) {
   for (std::size_t bytes = 0; bytes < 20; ++bytes)
     cases.fault("payload-truncated/text-" + to_string(bytes), with_size(one(), kTextChunk, bytes));
   for (const std::size_t bytes : {21u, 22u, 24u, 28u, 64u, 512u})
@@ -137,9 +137,9 @@ void add_size_cases(CaseList& cases) {
 }  // namespace
 
 void add_text_cases(CaseList& cases) {
-  add_valid_cases(cases);
+  add_valid_text_cases(cases);
   add_entry_cases(cases);
-  add_size_cases(cases);
+  add_text_size_cases(cases);
 }
 
 }  // namespace mesocell::test

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 
 #include "tests/conformance/cases.h"
 #include "tests/conformance/files.h"
@@ -9,8 +8,7 @@ namespace {
 
 using std::to_string;
 
-constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
-constexpr std::size_t kCellCountAt = 12, kPieceCountAt = 16, kIdBytesAt = 20, kFieldBytes = 24;
+constexpr std::size_t kCellCountAt = 12, kPieceCountAt = 16, kIdBytesAt = 20, kTileFieldBytes = 24;
 
 Bytes with_tile(std::size_t at, std::uint64_t value, unsigned bytes = 4) {
   return with(tiny(), kTileChunk, at, value, bytes);
@@ -63,7 +61,7 @@ void add_resolution_cases(CaseList& cases) {
               edited(tiny(), kTileChunk, [](Bytes& tile) { std::fill_n(tile.begin(), 12, std::byte{0}); }));
 }
 
-void add_count_cases(CaseList& cases) {
+void add_tile_count_cases(CaseList& cases) {
   for (const std::uint32_t count : {0u, 65536u, 65537u, 65538u, 0x02000000u, 0x80000002u, 0xffffffffu})
     cases.fault("tile-cell-count/" + to_string(count), with_tile(kCellCountAt, count));
   // No cell, no piece, no voxel, and a membership of none.
@@ -159,9 +157,9 @@ void add_big_cases(CaseList& cases) {
 }  // namespace
 
 void add_tile_cases(CaseList& cases) {
-  add_chunk_header_cases(cases, tiny(), kTileChunk, kFieldBytes);
+  add_chunk_header_cases(cases, tiny(), kTileChunk, kTileFieldBytes);
   add_resolution_cases(cases);
-  add_count_cases(cases);
+  add_tile_count_cases(cases);
   add_big_cases(cases);
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     CellObject object = random_small_object(seed);

@@ -32,7 +32,7 @@ Bytes with_text_frame(const Bytes& payload, const FrameOptions& options) {
   return parts.build();
 }
 
-void add_valid_cases(CaseList& cases) {
+void add_valid_frame_cases(CaseList& cases) {
   const Bytes text = text_of(5000);
   for (const unsigned size_bytes : {2u, 4u, 8u}) {
     cases.valid("zstd/size-in-" + to_string(size_bytes), "3.6",
@@ -239,7 +239,7 @@ void add_data_cases(CaseList& cases) {
 }  // namespace
 
 void add_zstd_cases(CaseList& cases) {
-  add_valid_cases(cases);
+  add_valid_frame_cases(cases);
   add_frame_cases(cases);
   add_window_and_size_cases(cases);
   add_data_cases(cases);

@@ -7,6 +7,7 @@
 #include "converters/stability/cast_report.h"
 #include "sdk/core/rng.h"
 #include "sdk/trace/cell_object_caster.h"
+#include "tests/stability/occurrences.h"
 #include "tests/support/catch.h"
 
 using namespace mesocell;
@@ -59,12 +60,6 @@ std::vector<CastMethod> known_methods(const CellObject& object) {
   std::vector<CastMethod> methods(cast_methods().begin(), cast_methods().end());
   std::erase_if(methods, [&](const CastMethod& m) { return !make_cell_object_caster(object, m.name).ok(); });
   return methods;
-}
-
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + part.size())) ++n;
-  return n;
 }
 
 }  // namespace
@@ -180,18 +175,18 @@ TEST_CASE("tables and the picture of casting have all cases and methods") {
       {"light", "odd, name", "", "exact", {.rays = 200, .hits = 200}, CastVerdict::kHolds, true},
       {"light", "odd, name", "", "linear:1/8", some, CastVerdict::kFails, false}};
   const std::string csv = cast_csv(results);
-  CHECK(count(csv, "\n") == 5);
+  CHECK(occurrences(csv, "\n") == 5);
   CHECK(csv.find("thin,wall,1 voxel,linear:1/8,fails as the source predicts,200,100,3,1,0,2,3,0.03,0.02,") !=
         csv.npos);
   CHECK(csv.find("\"odd, name\"") != csv.npos);
   const std::string markdown = cast_markdown(results);
-  CHECK(count(markdown, "| wall 1 voxel |") == 2);
+  CHECK(occurrences(markdown, "| wall 1 voxel |") == 2);
   CHECK(markdown.find("| holds | 3.0 % predicted |") != markdown.npos);
   CHECK(markdown.find("| holds | 3.0 % |") != markdown.npos);
   CHECK(markdown.find("3.0 / 2.0 / 0 / 0") != markdown.npos);
   const std::string svg = cast_heat_map(results, "a & b");
   CHECK(svg.starts_with("<svg "));
-  CHECK(count(svg, "<rect") == 1 + 4 + 7);
-  CHECK(count(svg, "<text") == count(svg, "</text>"));
+  CHECK(occurrences(svg, "<rect") == 1 + 4 + 7);
+  CHECK(occurrences(svg, "<text") == occurrences(svg, "</text>"));
   CHECK(svg.find("a &amp; b") != svg.npos);
 }

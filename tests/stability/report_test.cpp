@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "tests/stability/occurrences.h"
 #include "tests/support/catch.h"
 
 using namespace mesocell;
@@ -56,12 +57,6 @@ std::vector<std::vector<std::string>> parse_csv(const std::string& text) {
   return lines;
 }
 
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + part.size())) ++n;
-  return n;
-}
-
 }  // namespace
 
 TEST_CASE("results of several meshes are joined in a table") {
@@ -89,19 +84,19 @@ TEST_CASE("CSV has a line a result and as many fields in each") {
 
 TEST_CASE("Markdown has two tables of all rows") {
   const std::string text = stability_markdown(tabulate(some_results()));
-  CHECK(count(text, "| clean | ") == 2);
-  CHECK(count(text, "<&>\\| 1 % |") == 2);
+  CHECK(occurrences(text, "| clean | ") == 2);
+  CHECK(occurrences(text, "<&>\\| 1 % |") == 2);
   CHECK(text.find("| 25 | 5.0 |") != text.npos);
-  CHECK(count(benchmark_markdown(some_results()), "\n") == 8);
+  CHECK(occurrences(benchmark_markdown(some_results()), "\n") == 8);
 }
 
 TEST_CASE("the heat map is well-formed and has a cell for each result") {
   const std::string svg = stability_heat_map(tabulate(some_results()), "a & b");
   CHECK(svg.starts_with("<svg "));
   CHECK(svg.ends_with("</svg>\n"));
-  CHECK(count(svg, "<text") == count(svg, "</text>"));
-  CHECK(count(svg, "<rect") == 1 + 4 + 7);  // the ground, the cells, the scale
-  CHECK(count(svg, "too long") == 1);
+  CHECK(occurrences(svg, "<text") == occurrences(svg, "</text>"));
+  CHECK(occurrences(svg, "<rect") == 1 + 4 + 7);  // the ground, the cells, the scale
+  CHECK(occurrences(svg, "too long") == 1);
   CHECK(svg.find("a &amp; b") != svg.npos);
   CHECK(svg.find("&quot;quoted&quot; &lt;&amp;&gt;") != svg.npos);
 }

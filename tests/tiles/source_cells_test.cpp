@@ -18,7 +18,7 @@ using namespace mesocell::test;
 
 namespace {
 
-LabelVolume blank(const Index3& n) { return {n, std::vector<std::uint32_t>(n[0] * n[1] * n[2], 0)}; }
+LabelVolume no_labels(const Index3& n) { return {n, std::vector<std::uint32_t>(n[0] * n[1] * n[2], 0)}; }
 
 std::uint32_t& at(LabelVolume& volume, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return volume.labels[x + volume.resolution[0] * (y + volume.resolution[1] * z)];
@@ -27,7 +27,7 @@ std::uint32_t& at(LabelVolume& volume, std::uint32_t x, std::uint32_t y, std::ui
 /// One cell that winds through the tile in hairpins, a voxel thick and two apart, from the face x = 0 to an
 /// end within.
 LabelVolume hairpins(std::uint32_t n) {
-  LabelVolume volume = blank({n, n, n});
+  LabelVolume volume = no_labels({n, n, n});
   for (std::uint32_t y = 1; y + 1 < n; y += 2) {
     for (std::uint32_t x = y == 1 ? 0 : 1; x + 1 < n; ++x) at(volume, x, y, n / 2) = 1;
     if (y + 3 < n) at(volume, y % 4 == 1 ? n - 2 : 1, y + 1, n / 2) = 1;
@@ -47,7 +47,7 @@ std::set<std::uint32_t> marks_of(const LabelVolume& volume, std::uint32_t label,
 /// A cell that goes along x around the tile, so often; each time it ends 3 voxels higher, where its next
 /// round begins.
 LabelVolume thread(std::uint32_t rounds) {
-  LabelVolume volume = blank({8, 3 * rounds + 2, 8});
+  LabelVolume volume = no_labels({8, 3 * rounds + 2, 8});
   for (std::uint32_t round = 0; round < rounds; ++round)
     for (std::uint32_t x = 0; x < 8; ++x) at(volume, x, 3 * round + (x < 4 ? 0 : x - 4), 2) = 1;
   return volume;
@@ -55,20 +55,20 @@ LabelVolume thread(std::uint32_t rounds) {
 
 /// Whether a flood of one label over the repeated volume meets a voxel in more than one tile.
 bool has_no_end(const LabelVolume& volume, std::uint32_t label) {
-  using Place = std::array<std::int64_t, 3>;
+  using Position = std::array<std::int64_t, 3>;
   const Index3& n = volume.resolution;
   const auto start = std::find(volume.labels.begin(), volume.labels.end(), label);
   if (start == volume.labels.end()) return false;
   const std::int64_t i = start - volume.labels.begin();
-  std::map<std::size_t, Place> tile_of;  // voxel of the volume -> tile in which it was met
-  std::vector<Place> queue{{i % n[0], i / n[0] % n[1], i / n[0] / n[1]}};
+  std::map<std::size_t, Position> tile_of;  // voxel of the volume -> tile in which it was met
+  std::vector<Position> queue{{i % n[0], i / n[0] % n[1], i / n[0] / n[1]}};
   tile_of[std::size_t(i)] = {};
   while (!queue.empty()) {
-    const Place p = queue.back();
+    const Position p = queue.back();
     queue.pop_back();
     for (int d = 0; d < 27; ++d) {
-      const Place q{p[0] + d % 3 - 1, p[1] + d / 3 % 3 - 1, p[2] + d / 9 - 1};
-      Place tile{}, v{};
+      const Position q{p[0] + d % 3 - 1, p[1] + d / 3 % 3 - 1, p[2] + d / 9 - 1};
+      Position tile{}, v{};
       for (std::size_t a = 0; a < 3; ++a) {
         v[a] = (q[a] % n[a] + n[a]) % n[a];
         tile[a] = (q[a] - v[a]) / n[a];
@@ -84,7 +84,7 @@ bool has_no_end(const LabelVolume& volume, std::uint32_t label) {
 }
 
 LabelVolume cells_of(const TileMap& tile) {
-  LabelVolume volume = blank(tile.resolution);
+  LabelVolume volume = no_labels(tile.resolution);
   for (std::uint64_t i = 0; i < tile.voxel_count(); ++i)
     if (const std::uint32_t id = tile.id(i)) volume.labels[i] = tile.pieces[id - 1].cell;
   return volume;
@@ -110,7 +110,7 @@ TEST_CASE(
     CHECK(marks_of(volume, 1, [&](std::size_t i) { return tile->id(i); }) == std::set<std::uint32_t>{1});
   }
   // A short cell, on which the source's passes are enough: the model itself is sound.
-  LabelVolume bar = blank({8, 8, 8});
+  LabelVolume bar = no_labels({8, 8, 8});
   for (std::uint32_t x = 0; x < 8; ++x) at(bar, x, 4, 4) = 1;
   const std::vector<std::uint8_t> codes = split_cells_by_passes(bar.resolution, bar.labels, 8);
   CHECK(marks_of(bar, 1, [&](std::size_t i) { return codes[i]; }) == std::set<std::uint32_t>{3});
@@ -121,7 +121,7 @@ TEST_CASE("source 4.2-4.3: eight slots a cell, the second range one short, are t
   const auto last_slot = [](std::uint32_t cell) { return cell == 1 ? 8u : 8u + 7 * (cell - 1); };
   const auto first_slot = [&](std::uint32_t cell) { return cell == 1 ? 1 : last_slot(cell - 1) + 1; };
   // Cell 2 lies on the tile's corners, in eight pieces; cells 1 and 3 within.
-  LabelVolume volume = blank({8, 8, 8});
+  LabelVolume volume = no_labels({8, 8, 8});
   at(volume, 3, 3, 3) = 1;
   at(volume, 5, 5, 5) = 3;
   for (int c = 0; c < 8; ++c) at(volume, c & 1 ? 7 : 0, c & 2 ? 7 : 0, c & 4 ? 7 : 0) = 2;

@@ -19,12 +19,12 @@ using namespace mesocell;
 
 namespace {
 
-using Place = std::array<std::int64_t, 3>;
+using WidePlace = std::array<std::int64_t, 3>;
 
 /// A voxel's instance, as its cell (0: empty) and the tile of the instance's seed.
 struct Instance {
   std::uint32_t cell = 0;
-  Place seed_tile{};
+  WidePlace seed_tile{};
 };
 
 /// A distance as its metric defines it, from scratch. `d` in voxels.
@@ -48,13 +48,13 @@ struct Ranked {
   Instance instance;
 };
 std::vector<Ranked> ranked_images(const std::vector<Seed>& seeds, SeedMetric metric, const Index3& r,
-                                  const Place& voxel, std::int64_t reach) {
+                                  const WidePlace& voxel, std::int64_t reach) {
   std::vector<Ranked> all;
   for (std::uint32_t c = 0; c < seeds.size(); ++c)
     for (std::int64_t z = -reach; z <= reach; ++z)
       for (std::int64_t y = -reach; y <= reach; ++y)
         for (std::int64_t x = -reach; x <= reach; ++x) {
-          const Place tile{x, y, z};
+          const WidePlace tile{x, y, z};
           std::array<double, 3> d{};
           for (std::size_t a = 0; a < 3; ++a)
             d[a] = double(voxel[a]) + 0.5 - double(seeds[c].at[a]) / kTileUnit - double(tile[a] * r[a]);
@@ -76,7 +76,7 @@ void check_homes(const TileMap& tile, F instance_of) {
   for (std::int64_t z = 0; z < r[2]; ++z)
     for (std::int64_t y = 0; y < r[1]; ++y)
       for (std::int64_t x = 0; x < r[0]; ++x) {
-        const Instance i = instance_of(Place{x, y, z});
+        const Instance i = instance_of(WidePlace{x, y, z});
         instances.push_back(i);
         if (i.cell == 0) continue;
         const std::tuple<std::int64_t, std::int64_t, std::int64_t> place{
@@ -132,7 +132,7 @@ TEST_CASE("a Voronoi tile gives each voxel to the nearest image of its seed, in 
         REQUIRE(tile.ok());
         CHECK(tile->cell_count + report.dropped_cells == cells);
         const std::vector<Seed> seeds = random_seeds(options, c.metric);
-        check_homes(*tile, [&](const Place& v) {
+        check_homes(*tile, [&](const WidePlace& v) {
           return ranked_images(seeds, c.metric, resolution, v, c.reach)[0].instance;
         });
       }
@@ -172,7 +172,7 @@ TEST_CASE("a Worley tile cuts cells where a combination of distances exceeds a t
       REQUIRE(tile.ok());
       const std::vector<Seed> seeds = random_seeds(options, SeedMetric::kEuclidean);
       const double limit = std::stod(c.threshold) * mean_spacing(options) / kTileUnit;
-      check_homes(*tile, [&](const Place& v) {
+      check_homes(*tile, [&](const WidePlace& v) {
         const std::vector<Ranked> all = ranked_images(seeds, SeedMetric::kEuclidean, resolution, v, 2);
         double sum = 0;
         for (std::size_t k = 0; k < 4; ++k) sum += c.factors[k] * all[k].distance;
@@ -188,7 +188,7 @@ TEST_CASE("bricks lie in running bond, each of the same size, with mortar betwee
   REQUIRE(tile.ok());
   CHECK(tile->cell_count == 8);
   // A course is 8 voxels high, a quarter of them mortar; a brick is 16 long, 14 without its mortar.
-  check_homes(*tile, [](const Place& v) {
+  check_homes(*tile, [](const WidePlace& v) {
     const std::int64_t course = v[1] / 8;
     if (v[1] % 8 < 2 || v[2] < 2) return Instance{};
     const std::int64_t along = v[0] - (course % 2) * 8, brick = along < 0 ? -1 : along / 16;
@@ -238,7 +238,7 @@ TEST_CASE("spheres are disjoint, round and leave empty space") {
       REQUIRE(tile.ok());
       CHECK(tile->cell_count == cells);
       // Gather each instance in its own coordinates, then compare it with a ball of the same extent.
-      std::map<std::uint32_t, std::set<Place>> cell_voxels;
+      std::map<std::uint32_t, std::set<WidePlace>> cell_voxels;
       std::uint64_t empty = 0;
       for (std::uint32_t z = 0; z < resolution[2]; ++z)
         for (std::uint32_t y = 0; y < resolution[1]; ++y)
@@ -247,9 +247,9 @@ TEST_CASE("spheres are disjoint, round and leave empty space") {
             empty += id == 0;
             if (id == 0) continue;
             const Piece& p = tile->pieces[id - 1];
-            cell_voxels[p.cell].insert(Place{std::int64_t(x) - p.home[0] * std::int64_t(resolution[0]),
-                                             std::int64_t(y) - p.home[1] * std::int64_t(resolution[1]),
-                                             std::int64_t(z) - p.home[2] * std::int64_t(resolution[2])});
+            cell_voxels[p.cell].insert(WidePlace{std::int64_t(x) - p.home[0] * std::int64_t(resolution[0]),
+                                                 std::int64_t(y) - p.home[1] * std::int64_t(resolution[1]),
+                                                 std::int64_t(z) - p.home[2] * std::int64_t(resolution[2])});
           }
       const double fill = 1 - double(empty) / double(tile->voxel_count());
       // A quarter is filled before the spheres grow, unless a single one is stopped by its own image.
@@ -258,8 +258,8 @@ TEST_CASE("spheres are disjoint, round and leave empty space") {
             0.97 * std::min(0.25, 3.14159265 / 6 * side * side * side * cells / double(tile->voxel_count())));
       CHECK(fill < 0.75);
       for (const auto& [cell, voxels] : cell_voxels) {
-        Place low = *voxels.begin(), high = low;
-        for (const Place& v : voxels)
+        WidePlace low = *voxels.begin(), high = low;
+        for (const WidePlace& v : voxels)
           for (std::size_t a = 0; a < 3; ++a) {
             low[a] = std::min(low[a], v[a]);
             high[a] = std::max(high[a], v[a]);

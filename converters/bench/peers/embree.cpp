@@ -17,7 +17,7 @@
 namespace mesocell {
 namespace {
 
-const Result<const MesocellEmbreeModule*>& module() {
+const Result<const MesocellEmbreeModule*>& embree() {
   static const auto loaded = []() -> Result<const MesocellEmbreeModule*> {
 #ifdef MESOCELL_EMBREE
     const Result<void*> handle = load_module("mesocell_embree");
@@ -44,7 +44,7 @@ double thread_seconds() {
 }
 
 struct SceneDeleter {
-  void operator()(MesocellEmbreeScene* scene) const { (*module())->destroy(scene); }
+  void operator()(MesocellEmbreeScene* scene) const { (*embree())->destroy(scene); }
 };
 
 constexpr std::array<std::string_view, MESOCELL_EMBREE_CALLS> kCalls = {"1", "8", "16", "stream"};
@@ -82,7 +82,7 @@ class EmbreeTracer final : public Tracer {
         instances.size(), threads,      max_bytes};
     MesocellEmbreeScene* scene = nullptr;
     char message[512] = "";
-    const int failed = (*module())->create(&input, &scene, message, sizeof message);
+    const int failed = (*embree())->create(&input, &scene, message, sizeof message);
     if (failed)
       return Error{failed == MESOCELL_EMBREE_LIMIT ? ErrorCode::kLimit : ErrorCode::kOutput, message};
     scene_.reset(scene);
@@ -98,7 +98,7 @@ class EmbreeTracer final : public Tracer {
     std::uint64_t bytes =
         places_.capacity() * sizeof(InstancePlace) + mesh_of_.capacity() * sizeof(mesh_of_[0]);
     for (const auto& faces : faces_) bytes += faces.capacity() * sizeof(PackedFace);
-    return bytes + (scene_ ? (*module())->memory(scene_.get()) : 0);
+    return bytes + (scene_ ? (*embree())->memory(scene_.get()) : 0);
   }
 
  private:
@@ -116,7 +116,7 @@ class EmbreeTracer final : public Tracer {
     for (std::size_t begin = 0; begin < rays.size(); begin += kBlock) {
       block.count = std::min(kBlock, rays.size() - begin);
       block.rays = &rays[begin].origin.x;
-      (*module())->trace(scene_.get(), call, &block, found.data());
+      (*embree())->trace(scene_.get(), call, &block, found.data());
       for (std::size_t k = 0; k < block.count; ++k) hits[begin + k] = to_hit(rays[begin + k], found[k]);
     }
   }
@@ -249,7 +249,7 @@ Result<std::unique_ptr<Tracer>> make_embree_tracer(const CellObject& object, boo
                    "Embree is not called by '" + std::string(call) + "'; there are :1, :8, :16 and :stream"};
     wanted = MesocellEmbreeCall(found - kCalls.begin());
   }
-  if (!module()) return module().error();
+  if (!embree()) return embree().error();
   // Floats are finest around zero.
   std::array<std::int32_t, 3> centre{};
   for (std::size_t a = 0; a < 3; ++a)

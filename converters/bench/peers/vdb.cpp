@@ -14,7 +14,7 @@
 namespace mesocell {
 namespace {
 
-const Result<const MesocellVdbPeers*>& module() {
+const Result<const MesocellVdbPeers*>& vdb() {
   static const auto loaded = []() -> Result<const MesocellVdbPeers*> {
     const Result<void*> handle = load_module("mesocell_volume_peers");
     if (!handle) return handle.error();
@@ -116,7 +116,7 @@ class BlockSource {
 };
 
 struct MaskDeleter {
-  void operator()(MesocellVdbMask* mask) const { (*module())->destroy(mask); }
+  void operator()(MesocellVdbMask* mask) const { (*vdb())->destroy(mask); }
 };
 
 class VdbTracer final : public Tracer {
@@ -134,12 +134,12 @@ class VdbTracer final : public Tracer {
     for (std::size_t begin = 0; begin < rays.size(); begin += kBlock) {
       block.count = std::min(kBlock, rays.size() - begin);
       block.rays = &rays[begin].origin.x;
-      (*module())->trace(mask_.get(), &block, found.data());
+      (*vdb())->trace(mask_.get(), &block, found.data());
       for (std::size_t k = 0; k < block.count; ++k) hits[begin + k] = to_hit(rays[begin + k], found[k]);
     }
   }
 
-  [[nodiscard]] std::uint64_t memory_bytes() const override { return (*module())->memory(mask_.get()); }
+  [[nodiscard]] std::uint64_t memory_bytes() const override { return (*vdb())->memory(mask_.get()); }
 
  private:
   [[nodiscard]] StreamHit to_hit(const Ray& ray, const MesocellVdbHit& found) const {
@@ -170,7 +170,7 @@ class VdbTracer final : public Tracer {
 
 Result<std::unique_ptr<Tracer>> make_vdb_tracer(const CellObject& object, bool nano,
                                                 std::uint64_t max_bytes) {
-  if (!module()) return module().error();
+  if (!vdb()) return vdb().error();
   MesocellVdbInput input{};
   std::uint64_t blocks = 1;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -190,7 +190,7 @@ Result<std::unique_ptr<Tracer>> make_vdb_tracer(const CellObject& object, bool n
   input.nano = nano;
   MesocellVdbMask* mask = nullptr;
   char message[512] = "";
-  const int failed = (*module())->create(&input, &mask, message, sizeof message);
+  const int failed = (*vdb())->create(&input, &mask, message, sizeof message);
   if (failed) return Error{failed == MESOCELL_VDB_LIMIT ? ErrorCode::kLimit : ErrorCode::kOutput, message};
   return std::unique_ptr<Tracer>(std::make_unique<VdbTracer>(object.grid, mask));
 }
