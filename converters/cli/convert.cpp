@@ -54,7 +54,7 @@ std::uint64_t peak_bytes() {
   return std::uint64_t(usage.ru_maxrss) * 1024;
 }
 
-struct Outcome {
+struct Made {
   AssetFile file;
   AuthorReport report;
   ReadNotes notes;
@@ -113,7 +113,7 @@ std::optional<Failure> keep_mesh(const ConvertCommand& command, const ShapeSourc
 }
 
 /// Reads the shape, makes the tile, authors, writes, and reads back what was written.
-std::optional<Failure> convert(const ConvertCommand& command, const Progress& progress, Outcome& outcome) {
+std::optional<Failure> convert(const ConvertCommand& command, const Progress& progress, Made& outcome) {
   Stopwatch watch;
   ConvertPlan plan;
   if (auto failure = make_convert_plan(command, plan)) return failure;
@@ -167,7 +167,7 @@ std::optional<Failure> convert(const ConvertCommand& command, const Progress& pr
 
 /// Assets into an asset: nothing is authored.
 std::optional<Failure> convert_assets(const ConvertCommand& command, const Progress& progress,
-                                      Outcome& outcome) {
+                                      Made& outcome) {
   Stopwatch watch;
   if (auto failure = is_repack(command) ? repack(command, progress, outcome.file)
                                         : restore(command, progress, outcome.file))
@@ -184,7 +184,7 @@ std::optional<Failure> convert_assets(const ConvertCommand& command, const Progr
   return std::nullopt;
 }
 
-nlohmann::ordered_json outcome_json(const Outcome& outcome) {
+nlohmann::ordered_json outcome_json(const Made& outcome) {
   nlohmann::ordered_json json = describe_assets(outcome.file);
   json["seconds"]["read"] = outcome.seconds.read;
   json["seconds"]["tile"] = outcome.seconds.tile;
@@ -208,7 +208,7 @@ nlohmann::ordered_json outcome_json(const Outcome& outcome) {
   return json;
 }
 
-std::string outcome_text(const Outcome& outcome, const std::string& output) {
+std::string outcome_text(const Made& outcome, const std::string& output) {
   char text[128], share[64] = "";
   if (outcome.report.mesh_volume > 0)
     std::snprintf(share, sizeof share, ", %.2f %% of the mesh's volume inside",
@@ -228,7 +228,7 @@ int run_convert(const ConvertCommand& command) {
   if (is_export(command)) return run_export(command);
   const Console console(command.common);
   ProgressBar bar(!console.quiet());
-  Outcome outcome;
+  Made outcome;
   const std::optional<Failure> failure = is_repack(command) || is_restore(command)
                                              ? convert_assets(command, bar.progress(), outcome)
                                              : convert(command, bar.progress(), outcome);

@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Voxels along the longest side of a case of the catalogue: all of it takes about two minutes.
-constexpr std::uint32_t kResolution = 32;
+constexpr std::uint32_t kUsualResolution = 32;
 
 std::optional<Failure> find_methods(const std::string& list, std::vector<const Voxelizer*>& methods) {
   for (const std::string& word : words_of(list)) {
@@ -95,7 +95,7 @@ std::optional<Failure> make_cases(const StabilityCommand& command, const Progres
   std::vector<NamedMesh> meshes;
   std::vector<MeshPair> pairs;
   if (auto failure = read_meshes(command, progress, 1, meshes, pairs)) return failure;
-  const std::uint32_t resolution = command.resolution.value_or(kResolution);
+  const std::uint32_t resolution = command.resolution.value_or(kUsualResolution);
   cases = damage_cases(meshes, resolution);
   if (command.meshes.empty()) std::ranges::move(geometry_cases(resolution), std::back_inserter(cases));
   for (const MeshPair& pair : pairs) cases.push_back(pair_case(pair, resolution));
@@ -166,7 +166,7 @@ std::optional<Failure> check(const StabilityCommand& command) {
 }
 
 std::string caption_of(const StabilityCommand& command) {
-  return std::to_string(command.resolution.value_or(kResolution)) + " voxels along the longest side; " +
+  return std::to_string(command.resolution.value_or(kUsualResolution)) + " voxels along the longest side; " +
          (command.meshes.empty() ? "generated meshes" : "meshes given") +
          ", figures of several meshes are joined";
 }

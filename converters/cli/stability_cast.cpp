@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::uint32_t kRays = 4096;
 
 /// Options of --voxelize that --cast does not have.
-std::optional<Failure> check(const StabilityCommand& command) {
+std::optional<Failure> check_cast(const StabilityCommand& command) {
   const std::pair<const char*, bool> others[] = {
       {"--benchmark", command.benchmark},     {"--resolution", command.resolution.has_value()},
       {"--mesh", !command.meshes.empty()},    {"--pair", !command.pairs.empty()},
@@ -110,7 +110,7 @@ std::string cast_methods_help() {
 }
 
 int run_cast_stability(const StabilityCommand& command, const Console& console) {
-  if (const auto failure = check(command)) return console.fail(*failure);
+  if (const auto failure = check_cast(command)) return console.fail(*failure);
   std::vector<CastCase> cases;
   if (const auto failure = find_cases(command, cases)) return console.fail(*failure);
   std::vector<CastMethod> methods;

@@ -30,10 +30,10 @@ struct Import {
   ReadNotes& notes;
 };
 
-constexpr Index3 kResolution{64, 64, 64};
+constexpr Index3 kTileResolution{64, 64, 64};
 
 Result<TileMap> import_meshes(const Import& import, TileReport& report) {
-  const auto resolution = resolution_option(import.recipe, "resolution", kResolution, 4, 1024);
+  const auto resolution = resolution_option(import.recipe, "resolution", kTileResolution, 4, 1024);
   if (!resolution) return resolution.error();
   const auto size = number_option(import.recipe, "size", 0, 1e-300, 1e300);
   if (!size) return size.error();
@@ -70,7 +70,7 @@ Result<LabelVolume> read_label_grid(const Import& import) {
 Result<TileMap> import_labels(const Import& import, TileReport& report) {
   VolumeReadOptions read;
   if (import.recipe.options.contains("resolution")) {
-    const auto resolution = resolution_option(import.recipe, "resolution", kResolution, 4, 1024);
+    const auto resolution = resolution_option(import.recipe, "resolution", kTileResolution, 4, 1024);
     if (!resolution) return resolution.error();
     read.raw_resolution = *resolution;
   }

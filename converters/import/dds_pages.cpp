@@ -16,10 +16,10 @@ namespace {
 constexpr std::size_t kHeaderBytes = 128;
 // Flags of the header, of its pixel format and of its capabilities.
 constexpr std::uint32_t kHasDepth = 0x80'0000, kHasLevels = 0x2'0000, kAlpha = 0x1, kFourCc = 0x4,
-                        kRgb = 0x40, kLuminance = 0x2'0000;
+                        kHasRgb = 0x40, kLuminance = 0x2'0000;
 constexpr std::uint32_t kCubeMap = 0x200;
 
-Error invalid(std::string message) { return Error{ErrorCode::kInvalidInput, std::move(message)}; }
+Error bad_dds(std::string message) { return Error{ErrorCode::kInvalidInput, std::move(message)}; }
 
 }  // namespace
 
@@ -41,24 +41,24 @@ Result<DdsLayout> parse_dds_header(std::string_view header) {
   in.skip(8);
   const std::uint32_t caps = in.u32();
   if (!is_dds(header) || in.overrun() || size != 124 || format_size != 32)
-    return invalid("its DDS header is damaged or cut off; fetch or export it again");
-  if (caps & kCubeMap) return invalid("it is a cube map; a volume is needed, or one picture");
+    return bad_dds("its DDS header is damaged or cut off; fetch or export it again");
+  if (caps & kCubeMap) return bad_dds("it is a cube map; a volume is needed, or one picture");
   if ((format & kFourCc) && four_cc != 0)
-    return invalid(
+    return bad_dds(
         "its pixels are compressed; save the DDS without compression, or as a TIFF of several pages");
   if (flags & kHasDepth) layout.depth = depth;
   layout.has_levels = (flags & kHasLevels) && levels > 1;
   layout.has_alpha = (format & kAlpha) != 0;
-  if (layout.width == 0 || layout.height == 0 || layout.depth == 0) return invalid("it has no pixels");
+  if (layout.width == 0 || layout.height == 0 || layout.depth == 0) return bad_dds("it has no pixels");
   const bool gray = (format & kLuminance) != 0;
-  if ((!gray && !(format & kRgb)) || bits % 8 != 0 || bits == 0 || bits > 32)
-    return invalid("its kind of pixels is not read; save it with 8 bits a channel, gray or RGB");
+  if ((!gray && !(format & kHasRgb)) || bits % 8 != 0 || bits == 0 || bits > 32)
+    return bad_dds("its kind of pixels is not read; save it with 8 bits a channel, gray or RGB");
   layout.pixel_bytes = bits / 8;
   for (std::size_t k = 0; k < (gray ? 1u : 3u); ++k) {
     const std::uint32_t mask = masks[k];
     const auto shift = std::uint32_t(std::countr_zero(mask));
     if (mask == 0 || shift + 8 > bits || mask != std::uint32_t{0xff} << shift)
-      return invalid("its kind of pixels is not read; save it with 8 bits a channel, gray or RGB");
+      return bad_dds("its kind of pixels is not read; save it with 8 bits a channel, gray or RGB");
     layout.shifts.push_back(shift);
   }
   return layout;
@@ -69,7 +69,7 @@ Status read_dds_pages(const std::string& path, std::uint64_t max_file_bytes, con
   if (!file) return file.error();
   std::array<std::byte, kHeaderBytes> header{};
   if (file->size() < header.size() || !file->read_at(0, header))
-    return invalid("its DDS header is damaged or cut off; fetch or export it again");
+    return bad_dds("its DDS header is damaged or cut off; fetch or export it again");
   const Result<DdsLayout> layout =
       parse_dds_header({reinterpret_cast<const char*>(header.data()), header.size()});
   if (!layout) return layout.error();
@@ -77,7 +77,7 @@ Status read_dds_pages(const std::string& path, std::uint64_t max_file_bytes, con
   // Each factor is checked before the next: none of the products overflows.
   const std::uint64_t row = std::uint64_t{layout->width} * layout->pixel_bytes;
   if (row > room || layout->height > room / row || layout->depth > room / row / layout->height)
-    return invalid("its header promises more pixels than it has; it is cut off, fetch or export it again");
+    return bad_dds("its header promises more pixels than it has; it is cut off, fetch or export it again");
   PageHeader page;
   page.width = layout->width;
   page.height = layout->height;

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Error invalid(std::string message) { return {ErrorCode::kInvalidInput, std::move(message)}; }
+Error bad_gltf(std::string message) { return {ErrorCode::kInvalidInput, std::move(message)}; }
 
 Result<std::vector<std::byte>> ask(MeshRequest kind, std::span<const std::byte> bytes, const char* subject,
                                    const Progress* progress) {
@@ -41,11 +41,11 @@ Result<GltfChunks> split(std::span<const std::byte> bytes) {
   in.skip(4);
   const std::uint32_t version = in.u32(), length = in.u32();
   if (!in.overrun() && version != 2)
-    return invalid("the file is a GLB of glTF " + std::to_string(version) +
-                   ", not 2.0; export the scene again");
+    return bad_gltf("the file is a GLB of glTF " + std::to_string(version) +
+                    ", not 2.0; export the scene again");
   if (in.overrun() || length > bytes.size())
-    return invalid("the GLB promises " + std::to_string(length) + " bytes, but the file has " +
-                   std::to_string(bytes.size()) + "; it is cut off, fetch or export it again");
+    return bad_gltf("the GLB promises " + std::to_string(length) + " bytes, but the file has " +
+                    std::to_string(bytes.size()) + "; it is cut off, fetch or export it again");
   GltfChunks chunks;
   in = ByteReader(bytes.first(length));
   in.skip(12);
@@ -53,7 +53,7 @@ Result<GltfChunks> split(std::span<const std::byte> bytes) {
     const std::uint32_t size = in.u32(), type = in.u32();
     const auto chunk = in.take(size);
     if (in.overrun() || (i == 0 && type != 0x4e4f'534a))
-      return invalid("the chunks of the GLB are damaged; fetch or export it again");
+      return bad_gltf("the chunks of the GLB are damaged; fetch or export it again");
     if (i == 0) chunks.json = text(chunk);
     if (i == 1 && type == 0x004e'4942) chunks.binary = chunk;
   }
@@ -88,7 +88,7 @@ Result<std::vector<std::byte>> read_beside(const fs::path& folder, const std::st
   const bool climbs = std::find(path.begin(), path.end(), "..") != path.end();
   if (path.empty() || path.is_absolute() || climbs || text.find(':') != text.npos ||
       text.find('\\') != text.npos || text.find('\0') != text.npos)
-    return invalid("only files in the scene's folder and below are read; put it there and name it so");
+    return bad_gltf("only files in the scene's folder and below are read; put it there and name it so");
   notes.files.insert((folder / path).string());
   std::error_code error;
   const fs::path root = fs::canonical(folder, error);
@@ -96,7 +96,7 @@ Result<std::vector<std::byte>> read_beside(const fs::path& folder, const std::st
   if (error) return Error{ErrorCode::kUnreadable, "there is no such file beside the scene; put it there"};
   // A link may lead out.
   if (std::mismatch(root.begin(), root.end(), full.begin(), full.end()).first != root.end())
-    return invalid("it is a link that leads out of the scene's folder; copy the file there");
+    return bad_gltf("it is a link that leads out of the scene's folder; copy the file there");
   return read_plain_file(full.string(), max_bytes);
 }
 

@@ -10,15 +10,15 @@
 namespace mesocell {
 namespace {
 
-constexpr std::uint32_t kMaxSide = 1u << 16;
-constexpr std::size_t kMaxChannels = 16;
+constexpr std::uint32_t kMaxMapSide = 1u << 16;
+constexpr std::size_t kMaxMapChannels = 16;
 
 }  // namespace
 
 Result<HeightSamples> read_height_file(const std::string& path, const HeightReadOptions& options,
                                        const Progress* progress) {
   Result<PictureFile> picture = examine_picture(
-      path, {.max_file_bytes = options.max_file_bytes, .max_pages = 1024, .max_side = kMaxSide});
+      path, {.max_file_bytes = options.max_file_bytes, .max_pages = 1024, .max_side = kMaxMapSide});
   if (!picture) {
     Error error = picture.error();
     if (error.code == ErrorCode::kInvalidInput && error.message.find("; ") == std::string::npos)
@@ -36,7 +36,7 @@ Result<HeightSamples> read_height_file(const std::string& path, const HeightRead
   sink.begin = [&](const PageHeader& header) -> Status {
     channels = header.channels.size();
     const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
-    if (pixels > options.max_pixels || channels > kMaxChannels)
+    if (pixels > options.max_pixels || channels > kMaxMapChannels)
       return Error{ErrorCode::kLimit, std::to_string(header.width) + " x " + std::to_string(header.height) +
                                           " pixels of " + std::to_string(channels) +
                                           " channels are over the limit; use a smaller picture"};

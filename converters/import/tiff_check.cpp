@@ -44,9 +44,9 @@ struct Entry {
   std::uint64_t at = 0;  ///< where its values are
 };
 
-Error invalid(std::string message) { return Error{ErrorCode::kInvalidInput, std::move(message)}; }
+Error bad_tiff(std::string message) { return Error{ErrorCode::kInvalidInput, std::move(message)}; }
 Error cut_off() {
-  return invalid("its directory leads beyond the end of the file; it is cut off or damaged, fetch it again");
+  return bad_tiff("its directory leads beyond the end of the file; it is cut off or damaged, fetch it again");
 }
 
 /// One page's directory and what is needed to read numbers of the file.
@@ -88,7 +88,8 @@ Result<std::uint64_t> Page::read(std::uint64_t offset) {
   const std::optional<std::uint64_t> count = number(offset, count_bytes);
   if (!count) return cut_off();
   if (*count == 0 || *count > kMaxEntries)
-    return invalid("its directory has " + std::to_string(*count) + " entries; it is damaged, fetch it again");
+    return bad_tiff("its directory has " + std::to_string(*count) +
+                    " entries; it is damaged, fetch it again");
   entries_.clear();
   std::uint64_t at = offset + count_bytes;
   for (std::uint64_t k = 0; k < *count; ++k, at += entry_bytes) {
@@ -97,13 +98,13 @@ Result<std::uint64_t> Page::read(std::uint64_t offset) {
     if (!tag || !type || !values || !link) return cut_off();
     const std::uint64_t bytes = *type < kTypeBytes.size() ? kTypeBytes[*type] : 0;
     if (bytes == 0)
-      return invalid("its directory has an entry of an unknown type; it is damaged, fetch it again");
+      return bad_tiff("its directory has an entry of an unknown type; it is damaged, fetch it again");
     if (*values > file_.size() / bytes) return cut_off();
     const bool inside = *values * bytes <= offset_bytes_;
     if (!inside && (*link > file_.size() || *values * bytes > file_.size() - *link)) return cut_off();
     if (!entries_.emplace(*tag, Entry{*type, *values, inside ? at + 4 + offset_bytes_ : *link}).second)
-      return invalid("its directory has tag " + std::to_string(*tag) +
-                     " twice; it is damaged, fetch it again");
+      return bad_tiff("its directory has tag " + std::to_string(*tag) +
+                      " twice; it is damaged, fetch it again");
   }
   const std::optional<std::uint64_t> next = number(at, offset_bytes_);
   if (!next) return cut_off();
@@ -121,19 +122,19 @@ std::optional<std::uint64_t> Page::element(Tag tag, std::uint64_t k) const {
 Result<std::uint64_t> Page::value(Tag tag, std::optional<std::uint64_t> fallback) const {
   if (!has(tag)) {
     if (fallback) return *fallback;
-    return invalid("its directory has no tag " + std::to_string(tag) + "; save it again");
+    return bad_tiff("its directory has no tag " + std::to_string(tag) + "; save it again");
   }
   std::optional<std::uint64_t> common;
   // Samples are at most 4, which is checked where they are many.
   for (std::uint64_t k = 0; k < std::min<std::uint64_t>(count(tag), 4); ++k) {
     const std::optional<std::uint64_t> value = element(tag, k);
-    if (!value) return invalid("its tag " + std::to_string(tag) + " is not a whole number; save it again");
+    if (!value) return bad_tiff("its tag " + std::to_string(tag) + " is not a whole number; save it again");
     if (common && *common != *value)
-      return invalid("its channels are of different kinds (tag " + std::to_string(tag) +
-                     "); save it with equal ones");
+      return bad_tiff("its channels are of different kinds (tag " + std::to_string(tag) +
+                      "); save it with equal ones");
     common = value;
   }
-  if (!common) return invalid("its tag " + std::to_string(tag) + " is empty; save it again");
+  if (!common) return bad_tiff("its tag " + std::to_string(tag) + " is empty; save it again");
   return *common;
 }
 
@@ -168,13 +169,13 @@ Result<Facts> read_facts(const Page& page) {
 
 /// Whether the library reads pictures of this kind rightly.
 Status check_kind(const Page& page, const Facts& f, std::uint32_t max_side) {
-  if (f.width == 0 || f.height == 0) return invalid("it has no pixels");
+  if (f.width == 0 || f.height == 0) return bad_tiff("it has no pixels");
   if (f.width > max_side || f.height > max_side)
     return Error{ErrorCode::kLimit, "it has " + std::to_string(f.width) + " x " + std::to_string(f.height) +
                                         " pixels; at most " + std::to_string(max_side) +
                                         " are read along each side, make it smaller"};
   const auto refuse = [](const std::string& what, const std::string& remedy) {
-    return invalid("it " + what + ", which is not read; " + remedy);
+    return bad_tiff("it " + what + ", which is not read; " + remedy);
   };
   if (f.photometric == 0) return refuse("has white as zero", "save it with black as zero");
   if (f.photometric != kGray && f.photometric != kRgb && f.photometric != kPalette)
@@ -215,7 +216,7 @@ Status check_kind(const Page& page, const Facts& f, std::uint32_t max_side) {
 Status check_pieces(const Page& page, const Facts& f, std::uint64_t file_bytes) {
   const bool tiled = page.has(kTileWidth) || page.has(kTileHeight);
   if (page.has(tiled ? kStripOffsets : kTileOffsets) || page.has(tiled ? kStripBytes : kTileBytes))
-    return invalid("its directory names both strips and tiles; it is damaged, or save it again");
+    return bad_tiff("its directory names both strips and tiles; it is damaged, or save it again");
   const Result<std::uint64_t> across = tiled ? page.value(kTileWidth) : page.value(kTileWidth, f.width);
   const Result<std::uint64_t> rows = tiled ? page.value(kTileHeight) : page.value(kRowsPerStrip, f.height);
   if (!across) return across.error();
@@ -223,22 +224,22 @@ Status check_pieces(const Page& page, const Facts& f, std::uint64_t file_bytes) 
   if (*rows == 0 || *across == 0 ||
       (tiled && (*across % 16 != 0 || *rows % 16 != 0 || *across > kMaxTileSide || *rows > kMaxTileSide ||
                  f.bits < 8)))
-    return invalid("its strips or tiles have a size that cannot be; save it again");
+    return bad_tiff("its strips or tiles have a size that cannot be; save it again");
   const auto pieces_of = [](std::uint64_t n, std::uint64_t size) { return n / size + (n % size != 0); };
   const std::uint64_t planes = f.planar == 2 ? f.samples : 1, down = pieces_of(f.height, *rows);
   const std::uint64_t expected = pieces_of(f.width, *across) * down * planes;
   const Tag offsets = tiled ? kTileOffsets : kStripOffsets, sizes = tiled ? kTileBytes : kStripBytes;
   if (page.count(offsets) != expected || page.count(sizes) != expected)
-    return invalid("its directory does not name the " + std::to_string(expected) +
-                   " strips or tiles that the picture has; it is damaged, or save it again");
+    return bad_tiff("its directory does not name the " + std::to_string(expected) +
+                    " strips or tiles that the picture has; it is damaged, or save it again");
   const std::uint64_t row_bytes = (*across * (f.planar == 2 ? 1 : f.samples) * f.bits + 7) / 8;
   for (std::uint64_t k = 0; k < expected; ++k) {
     const auto offset = page.element(offsets, k), size = page.element(sizes, k);
     if (!offset || !size || *offset > file_bytes || *size > file_bytes - *offset)
-      return invalid("its pixels lie beyond the end of the file; it is cut off, fetch it again");
+      return bad_tiff("its pixels lie beyond the end of the file; it is cut off, fetch it again");
     const std::uint64_t rows_here = tiled ? *rows : std::min(*rows, f.height - k % down * *rows);
     if (*size == 0 || (f.compression == 1 && *size < row_bytes * rows_here))
-      return invalid("its strips or tiles are shorter than their pixels; it is damaged, fetch it again");
+      return bad_tiff("its strips or tiles are shorter than their pixels; it is damaged, fetch it again");
   }
   return {};
 }
@@ -253,7 +254,7 @@ Result<TiffLayout> check_tiff(const InputFile& file, std::uint32_t max_pages, st
   Page page(file, big_endian, big_tiff);
   // A BigTIFF says that its offsets have 8 bytes, then a zero.
   if (big_tiff && (page.number(4, 2) != 8u || page.number(6, 2) != 0u))
-    return invalid("its header is damaged; fetch it again");
+    return bad_tiff("its header is damaged; fetch it again");
   std::optional<std::uint64_t> first = page.number(big_tiff ? 8 : 4, page.offset_bytes());
   if (!first || *first == 0) return cut_off();
 
@@ -268,7 +269,7 @@ Result<TiffLayout> check_tiff(const InputFile& file, std::uint32_t max_pages, st
     if (layout.pages == max_pages)
       return Error{ErrorCode::kLimit, "it has more than " + std::to_string(max_pages) + " pages; take fewer"};
     if (!seen.insert(offset).second)
-      return on_page(invalid("it is the same as one before; the file is damaged, fetch it again"));
+      return on_page(bad_tiff("it is the same as one before; the file is damaged, fetch it again"));
     const Result<std::uint64_t> next = page.read(offset);
     if (!next) return on_page(next.error());
     const Result<Facts> facts = read_facts(page);
@@ -276,13 +277,13 @@ Result<TiffLayout> check_tiff(const InputFile& file, std::uint32_t max_pages, st
     if (Status status = check_kind(page, *facts, max_side); !status) return on_page(status.error());
     if (Status status = check_pieces(page, *facts, file.size()); !status) return on_page(status.error());
     if (common && (common->width != facts->width || common->height != facts->height))
-      return on_page(invalid("it has " + std::to_string(facts->width) + " x " +
-                             std::to_string(facts->height) + " pixels, the first " +
-                             std::to_string(common->width) + " x " + std::to_string(common->height) +
-                             "; all must have the same size"));
+      return on_page(bad_tiff("it has " + std::to_string(facts->width) + " x " +
+                              std::to_string(facts->height) + " pixels, the first " +
+                              std::to_string(common->width) + " x " + std::to_string(common->height) +
+                              "; all must have the same size"));
     if (common && (common->samples != facts->samples || common->bits != facts->bits ||
                    common->format != facts->format || common->photometric != facts->photometric))
-      return on_page(invalid("its pixels are of another kind than those of the first; save all alike"));
+      return on_page(bad_tiff("its pixels are of another kind than those of the first; save all alike"));
     common = *facts;
     ++layout.pages;
     offset = *next;

@@ -10,7 +10,7 @@
 namespace mesocell {
 namespace {
 
-Error invalid(std::string message) { return Error{ErrorCode::kInvalidInput, std::move(message)}; }
+Error bad_slices(std::string message) { return Error{ErrorCode::kInvalidInput, std::move(message)}; }
 
 Error no_memory() {
   return Error{ErrorCode::kLimit, "there is not enough memory for the volume; make it smaller"};
@@ -73,12 +73,12 @@ Status LabelSlices::begin(const Index3& resolution) try {
 
 Status LabelSlices::check(const PageHeader& header, std::uint32_t stored_bits) {
   const std::optional<ColorChannels> channels = color_channels(header);
-  if (!channels) return invalid("it is neither gray nor RGB; labels are read from such pictures alone");
+  if (!channels) return bad_slices("it is neither gray nor RGB; labels are read from such pictures alone");
   if (!header.exact)
-    return invalid(
+    return bad_slices(
         "its compression or kind does not keep values exactly, as labels must be; save it as PNG or TIFF");
   if (!channels->gray && (header.is_float || header.bits != 8))
-    return invalid(
+    return bad_slices(
         "its colors have no 8 bits a channel; labels are read from colors of 8 bits or from gray values");
   const std::uint32_t bits = header.is_float                      ? 32
                              : channels->gray && stored_bits != 0 ? stored_bits
@@ -87,8 +87,8 @@ Status LabelSlices::check(const PageHeader& header, std::uint32_t stored_bits) {
   // may choose fewer bits or gray, in which its values are others.
   if (bits_ != 0 &&
       (bits != bits_ || channels->gray != channels_.gray || header.is_float != header_.is_float))
-    return invalid("it has " + kind(header, channels->gray, bits) + ", the first slice " +
-                   kind(header_, channels_.gray, bits_) + "; save all alike");
+    return bad_slices("it has " + kind(header, channels->gray, bits) + ", the first slice " +
+                      kind(header_, channels_.gray, bits_) + "; save all alike");
   header_ = header;
   channels_ = *channels;
   bits_ = bits;
@@ -121,9 +121,9 @@ Status LabelSlices::append(PageSamples samples) {
     // Above, floats are whole by their nature, whatever was meant.
     const bool whole = value >= 0 && value <= 16777216.0f && value == std::floor(value);
     if (!whole && status)
-      status = invalid("the pixel in column " + std::to_string(x) + ", row " + std::to_string(row) +
-                       " has the value " + std::to_string(value) +
-                       "; labels are whole numbers from 0, in floats up to 16777216");
+      status = bad_slices("the pixel in column " + std::to_string(x) + ", row " + std::to_string(row) +
+                          " has the value " + std::to_string(value) +
+                          "; labels are whole numbers from 0, in floats up to 16777216");
     volume.labels.push_back(whole ? std::uint32_t(value) : 0);
   });
   return status;
@@ -139,7 +139,7 @@ Status ColorSlices::begin(const Index3& resolution) try {
 
 Status ColorSlices::check(const PageHeader& header, std::uint32_t) {
   const std::optional<ColorChannels> channels = color_channels(header);
-  if (!channels) return invalid("it is neither gray nor RGB; colors are read from such pictures alone");
+  if (!channels) return bad_slices("it is neither gray nor RGB; colors are read from such pictures alone");
   header_ = header;
   channels_ = *channels;
   return {};

@@ -16,17 +16,17 @@ using namespace mesocell::test;
 
 namespace {
 
-constexpr const char* kTile = "voronoi:cells=4,resolution=8,seed=1";
+constexpr const char* kAnyTile = "voronoi:cells=4,resolution=8,seed=1";
 
-std::vector<std::string> convert(const std::string& input, const std::string& output,
-                                 std::vector<std::string> more = {}) {
+std::vector<std::string> conversion(const std::string& input, const std::string& output,
+                                    std::vector<std::string> more = {}) {
   std::vector<std::string> words = {"convert", input, output};
   words.insert(words.end(), more.begin(), more.end());
   const auto add = [&](const char* option, const char* value) {
     if (std::find(more.begin(), more.end(), option) == more.end()) words.insert(words.end(), {option, value});
   };
   add("--tiles", "4");
-  add("--tile", kTile);
+  add("--tile", kAnyTile);
   return words;
 }
 
@@ -36,7 +36,7 @@ void check_refused(const TempFolder& folder, const std::string& input, int code,
                    std::vector<std::string> more = {}) {
   INFO(input << " " << (more.empty() ? "" : more.back()));
   const std::vector<std::string> before = folder.list();
-  const Run run = run_command(convert(input, folder.file("out.meso"), more));
+  const Run run = run_command(conversion(input, folder.file("out.meso"), more));
   INFO(run.err);
   CHECK(run.exit == code);
   CHECK(run.messages() == 1);
@@ -99,7 +99,7 @@ TEST_CASE("very large and very small closed meshes work or end with 3 and a reas
   for (const double scale : {1e30, 1e-30, 1e200, 1e-300, 1e308}) {
     INFO(scale);
     const Run run =
-        run_command(convert(folder.write("box.off", off(scaled_box(scale))), folder.file("o.meso")));
+        run_command(conversion(folder.write("box.off", off(scaled_box(scale))), folder.file("o.meso")));
     INFO(run.err);
     CHECK((run.exit == 0 || run.exit == 3));
     const bool warned = run.err.find(": warning: ") != std::string::npos;
@@ -128,7 +128,7 @@ TEST_CASE("options that make no sense end with 2, limits with 5") {
   check_refused(folder, box, 2, {"--no-such-option"});
   for (const char* size : {"0", "-1", "nan", "inf"}) {
     const Run run =
-        run_command({"convert", box, folder.file("out.meso"), "--tile", kTile, "--tile-size", size});
+        run_command({"convert", box, folder.file("out.meso"), "--tile", kAnyTile, "--tile-size", size});
     INFO(size << run.err);
     CHECK(run.exit == 2);
   }
@@ -158,18 +158,19 @@ TEST_CASE("a failure leaves the old output whole") {
   const std::string old = folder.write("out.meso", "the old file");
   TriangleMesh open = make_sphere({0, 0, 0}, 1, 8);
   open.triangles.pop_back();
-  CHECK(run_command(convert(folder.write("open.off", off(open)), old, {"--repair", "strict"})).exit == 3);
+  CHECK(run_command(conversion(folder.write("open.off", off(open)), old, {"--repair", "strict"})).exit == 3);
   CHECK(read_bytes(old) == "the old file");
-  CHECK(run_command(convert(folder.write("box.off", off(scaled_box(1))), old, {"--no-clobber"})).exit == 4);
+  CHECK(run_command(conversion(folder.write("box.off", off(scaled_box(1))), old, {"--no-clobber"})).exit ==
+        4);
   CHECK(read_bytes(old) == "the old file");
-  CHECK(run_command(convert(folder.file("box.off"), old)).exit == 0);
+  CHECK(run_command(conversion(folder.file("box.off"), old)).exit == 0);
   CHECK(read_bytes(old) != "the old file");
   CHECK(folder.list() == std::vector<std::string>{"box.off", "open.off", "out.meso"});
 }
 
 TEST_CASE("a name with control characters is shown, not obeyed") {
   const TempFolder folder;
-  const Run run = run_command(convert(folder.file("a\x1b[2Jb\nc.obj"), folder.file("o.meso")));
+  const Run run = run_command(conversion(folder.file("a\x1b[2Jb\nc.obj"), folder.file("o.meso")));
   CHECK(run.exit == 3);
   CHECK(run.err.find('\x1b') == std::string::npos);
   CHECK(run.messages() == 1);
@@ -177,7 +178,7 @@ TEST_CASE("a name with control characters is shown, not obeyed") {
 
 TEST_CASE("with --json a failure is an object too") {
   const TempFolder folder;
-  const Run run = run_command(convert(folder.file("missing.obj"), folder.file("o.meso"), {"--json"}));
+  const Run run = run_command(conversion(folder.file("missing.obj"), folder.file("o.meso"), {"--json"}));
   CHECK(run.exit == 3);
   CHECK(run.messages() == 1);
   const nlohmann::json error = run.json()["error"];

@@ -21,12 +21,13 @@ using nlohmann::json;
 
 namespace {
 
-const std::vector<std::string> kSmall = {"--tiles", "4", "--tile", "voronoi:cells=4,resolution=8,seed=2"};
+const std::vector<std::string> kBatchOptions = {"--tiles", "4", "--tile",
+                                                "voronoi:cells=4,resolution=8,seed=2"};
 
-Run convert(std::vector<std::string> words, const std::vector<std::string>& more = {},
-            const RunOptions& options = {}) {
+Run convert_many(std::vector<std::string> words, const std::vector<std::string>& more = {},
+                 const RunOptions& options = {}) {
   words.insert(words.begin(), "convert");
-  words.insert(words.end(), kSmall.begin(), kSmall.end());
+  words.insert(words.end(), kBatchOptions.begin(), kBatchOptions.end());
   words.insert(words.end(), more.begin(), more.end());
   return run_command(words, options);
 }
@@ -38,7 +39,7 @@ TEST_CASE("a batch makes every file, and leaves those that are up to date") {
   const std::string ball = folder.write("ball.obj", mesh_bytes(make_sphere({0, 0, 0}, 1, 12), "mesh.obj"));
   const std::string box = folder.write("box.ply", mesh_bytes(make_box({0, 0, 0}, {1, 1, 2}), "little.ply"));
   const std::string out = folder.file("out/");
-  Run run = convert({ball, box, "shape:torus", out}, {"--json"});
+  Run run = convert_many({ball, box, "shape:torus", out}, {"--json"});
   INFO(run.err);
   REQUIRE(run.exit == 0);
   CHECK(run.json()["made"] == 3);
@@ -49,21 +50,21 @@ TEST_CASE("a batch makes every file, and leaves those that are up to date") {
     CHECK(std::filesystem::exists(out + name));
   }
   // As if it were made alone.
-  REQUIRE(convert({ball, folder.file("alone.meso")}).exit == 0);
+  REQUIRE(convert_many({ball, folder.file("alone.meso")}).exit == 0);
   CHECK(read_bytes(out + "ball.meso") == read_bytes(folder.file("alone.meso")));
 
-  run = convert({ball, box, "shape:torus", out}, {"--json"});
+  run = convert_many({ball, box, "shape:torus", out}, {"--json"});
   CHECK(run.json()["up_to_date"] == 3);
   // Another file, an output that went, other options, or force.
   folder.write("ball.obj", mesh_bytes(make_sphere({0, 0, 0}, 2, 12), "mesh.obj"));
   std::filesystem::remove(out + "box.meso");
-  run = convert({ball, box, "shape:torus", out}, {"--json"});
+  run = convert_many({ball, box, "shape:torus", out}, {"--json"});
   CHECK(run.json()["made"] == 2);
   CHECK(run.json()["files"][2]["status"] == "up-to-date");
-  run = convert({ball, box, "shape:torus", out}, {"--json", "--rule", "conservative"});
+  run = convert_many({ball, box, "shape:torus", out}, {"--json", "--rule", "conservative"});
   CHECK(run.json()["made"] == 3);
-  run = convert({ball, box, "shape:torus", out},
-                {"--json", "--rule", "conservative", "--force", "--jobs", "1"});
+  run = convert_many({ball, box, "shape:torus", out},
+                     {"--json", "--rule", "conservative", "--force", "--jobs", "1"});
   CHECK(run.json()["made"] == 3);
 }
 
@@ -186,7 +187,7 @@ TEST_CASE("a list names inputs, names that meet are told apart") {
   const std::string list = folder.write("list.txt", "# meshes\n" + folder.file("a.obj") + "\r\n\n" +
                                                         folder.file("a.ply") + "\n" + folder.file("b/a.obj"));
   const std::string out = folder.file("out/");
-  const Run run = convert({"@" + list, out});
+  const Run run = convert_many({"@" + list, out});
   INFO(run.err);
   REQUIRE(run.exit == 0);
   CHECK(run.out.find("3 made, 0 up to date, 0 failed") != std::string::npos);
@@ -206,12 +207,12 @@ TEST_CASE("a file that fails ends a batch, or costs itself alone") {
   const std::string box = folder.write("box.obj", mesh_bytes(make_box({0, 0, 0}, {1, 1, 2}), "mesh.obj"));
   const std::string bad = folder.write("bad.obj", "f 1 2 3\n");
   const std::string out = folder.file("out/");
-  Run run = convert({bad, box, out}, {"--jobs", "1"});
+  Run run = convert_many({bad, box, out}, {"--jobs", "1"});
   CHECK(run.exit == 3);
   CHECK(run.out.find("failed     " + bad) != std::string::npos);
   CHECK(run.out.find("0 made, 0 up to date, 1 failed, 1 not begun") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(out + "box.meso"));
-  run = convert({bad, box, folder.file("none.stl"), out}, {"--keep-going", "--json"});
+  run = convert_many({bad, box, folder.file("none.stl"), out}, {"--keep-going", "--json"});
   CHECK(run.exit == 3);
   CHECK(run.json()["made"] == 1);
   CHECK(run.json()["failed"] == 2);
@@ -229,15 +230,15 @@ TEST_CASE("mistakes with batches end with 2 and say what to do") {
            {{"@" + list, folder.file("out.meso")}, "end its name with /"},
            {{box, folder.file("out/"), "--to", "a/b"}, "no extension"},
            {{box, folder.file("out/"), "--jobs", "0"}, "--jobs"}}) {
-    const Run run = convert(words);
+    const Run run = convert_many(words);
     INFO(run.err);
     CHECK(run.exit == 2);
     CHECK(run.messages() == 1);
     CHECK(run.err.find(hint) != std::string::npos);
   }
-  const Run missing = convert({"@" + folder.file("none.txt"), folder.file("out/")});
+  const Run missing = convert_many({"@" + folder.file("none.txt"), folder.file("out/")});
   CHECK(missing.exit == 3);
-  const Run blocked = convert({box, box, folder.write("file", "x") + "/"});
+  const Run blocked = convert_many({box, box, folder.write("file", "x") + "/"});
   CHECK(blocked.exit == 4);
 }
 
@@ -253,7 +254,7 @@ TEST_CASE("an interrupted batch leaves whole files and begins there again") {
   options.signal_after = std::chrono::milliseconds(400);
   options.signal = SIGINT;
   const std::vector<std::string> slow = {"--json", "--jobs", "1", "--color", "marble:resolution=64"};
-  const Run run = convert(words, slow, options);
+  const Run run = convert_many(words, slow, options);
   CHECK(run.exit == 130);
   const auto made = run.json()["made"].get<int>();
   CHECK(made < 12);
@@ -264,7 +265,7 @@ TEST_CASE("an interrupted batch leaves whole files and begins there again") {
     ++found;
   }
   CHECK(found >= made);
-  const Run again = convert(words, slow);
+  const Run again = convert_many(words, slow);
   CHECK(again.exit == 0);
   CHECK(again.json()["up_to_date"].get<int>() >= made);
   CHECK(again.json()["made"].get<int>() + again.json()["up_to_date"].get<int>() == 12);

@@ -17,8 +17,8 @@ namespace {
 std::string mesh_of(const Scene& scene) { return scene.folder.file("ball.off"); }
 
 /// Runs compare with --json and checks what holds for every result.
-json compare(const std::string& asset, const std::string& mesh, int exit,
-             const std::vector<std::string>& more = {}) {
+json compare_mesh(const std::string& asset, const std::string& mesh, int exit,
+                  const std::vector<std::string>& more = {}) {
   std::vector<std::string> words = {"compare", asset, mesh, "--json"};
   words.insert(words.end(), more.begin(), more.end());
   const Run run = run_command(words);
@@ -53,7 +53,7 @@ std::string number(double x) { return std::to_string(x); }
 
 TEST_CASE("an asset and its mesh have distances and a volume") {
   const Scene scene;
-  const json result = compare(scene.asset, mesh_of(scene), 0);
+  const json result = compare_mesh(scene.asset, mesh_of(scene), 0);
   const json& distance = result["surface_distance"];
   CHECK(result["tolerance"].is_null());
   CHECK(distance["samples"] == 100000);
@@ -74,7 +74,7 @@ TEST_CASE("an asset and its mesh have distances and a volume") {
   CHECK(volume["mesh"] == made["volume"]["mesh"]);
   // Smaller cells are nearer.
   const Scene finer({"--tiles", "16"});
-  const json near = compare(finer.asset, mesh_of(finer), 0, {"--samples", "5000"});
+  const json near = compare_mesh(finer.asset, mesh_of(finer), 0, {"--samples", "5000"});
   for (const char* direction : {"asset_to_mesh", "mesh_to_asset"})
     CHECK(near["surface_distance"][direction]["rms"] < distance[direction]["rms"]);
 }
@@ -82,16 +82,16 @@ TEST_CASE("an asset and its mesh have distances and a volume") {
 TEST_CASE("the tolerance is for the greater RMS distance, in per cent") {
   const Scene scene;
   const std::vector<std::string> few = {"--samples", "2000"};
-  const json result = compare(scene.asset, mesh_of(scene), 0, few)["surface_distance"];
+  const json result = compare_mesh(scene.asset, mesh_of(scene), 0, few)["surface_distance"];
   const double rms = std::max(result["asset_to_mesh"]["rms_percent"].get<double>(),
                               result["mesh_to_asset"]["rms_percent"].get<double>());
   CHECK(rms > 1);
   const auto with = [&](double tolerance) {
     return std::vector<std::string>{"--samples", "2000", "--tolerance", number(tolerance)};
   };
-  CHECK(compare(scene.asset, mesh_of(scene), 0, with(rms + 1e-3))["tolerance"] == Approx(rms + 1e-3));
-  compare(scene.asset, mesh_of(scene), 1, with(rms - 1e-3));
-  compare(scene.asset, mesh_of(scene), 1, with(0));
+  CHECK(compare_mesh(scene.asset, mesh_of(scene), 0, with(rms + 1e-3))["tolerance"] == Approx(rms + 1e-3));
+  compare_mesh(scene.asset, mesh_of(scene), 1, with(rms - 1e-3));
+  compare_mesh(scene.asset, mesh_of(scene), 1, with(0));
   const auto text = [&](const char* tolerance, bool quiet) {
     std::vector<std::string> words = {"compare", scene.asset,   mesh_of(scene), "--samples",
                                       "2000",    "--tolerance", tolerance};
@@ -110,8 +110,8 @@ TEST_CASE("the tolerance is for the greater RMS distance, in per cent") {
 TEST_CASE("figures depend on the seed and not on threads") {
   const Scene scene;
   const auto with = [&](const char* seed, const char* threads) {
-    return compare(scene.asset, mesh_of(scene), 0,
-                   {"--samples", "3001", "--seed", seed, "--threads", threads});
+    return compare_mesh(scene.asset, mesh_of(scene), 0,
+                        {"--samples", "3001", "--seed", seed, "--threads", threads});
   };
   const json one = with("18446744073709551615", "1");
   CHECK(one["surface_distance"]["seed"] == 18446744073709551615u);
@@ -125,7 +125,7 @@ TEST_CASE("an open mesh has distances and no volume") {
   TriangleMesh open = make_sphere({0, 0, 0}, 1, 24);
   open.triangles.resize(open.triangles.size() / 2);
   const std::string mesh = scene.folder.write("open.ply", mesh_bytes(open, "little.ply"));
-  const json result = compare(scene.asset, mesh, 0, {"--samples", "2000"});
+  const json result = compare_mesh(scene.asset, mesh, 0, {"--samples", "2000"});
   CHECK(result["volume"]["asset"] > 1.0);
   CHECK(result["volume"]["mesh"].is_null());
   CHECK(result["volume"]["percent"].is_null());

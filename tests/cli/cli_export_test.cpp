@@ -82,14 +82,14 @@ TEST_CASE("textures for a GPU are as large as they say") {
   const Run run = export_to(scene, "gpu.json");
   INFO(run.err);
   REQUIRE(run.exit == 0);
-  const auto json = nlohmann::json::parse(read_bytes(scene.folder.file("gpu.json")));
+  const auto gpu = nlohmann::json::parse(read_bytes(scene.folder.file("gpu.json")));
   for (const char* key : {"tile", "membership", "color"}) {
-    const auto& texture = json["textures"][key];
+    const auto& texture = gpu["textures"][key];
     CHECK(std::filesystem::file_size(scene.folder.file(texture["file"])) == texture["bytes"]);
   }
-  CHECK(json["textures"]["color"]["bytes"] == 16 * 16 * 16 * 4);
-  const auto tiles = json["tiles"];
-  CHECK(json["textures"]["membership"]["bytes"] ==
+  CHECK(gpu["textures"]["color"]["bytes"] == 16 * 16 * 16 * 4);
+  const auto tiles = gpu["tiles"];
+  CHECK(gpu["textures"]["membership"]["bytes"] ==
         tiles[0].get<int>() * tiles[1].get<int>() * tiles[2].get<int>() * 16);
 }
 

@@ -14,14 +14,14 @@ using nlohmann::json;
 
 namespace {
 
-constexpr const char* kTile = "voronoi:cells=8,resolution=8,seed=1";
+constexpr const char* kRepairTile = "voronoi:cells=8,resolution=8,seed=1";
 
 struct Repairs {
   TempFolder folder;
 
   Run convert(const std::string& input, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words{"convert", input,   folder.file("o.meso"), "--tiles", "8", "--tile",
-                                   kTile,     "--json"};
+    std::vector<std::string> words{"convert", input,    folder.file("o.meso"), "--tiles",
+                                   "8",       "--tile", kRepairTile,           "--json"};
     words.insert(words.end(), more.begin(), more.end());
     return run_command(words);
   }

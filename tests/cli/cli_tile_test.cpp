@@ -26,7 +26,7 @@ std::string mesh_tile(const std::string& file, const std::string& more = "") {
   return "mesh:file=" + file + ",size=1,origin=0x0x0,resolution=32" + more;
 }
 
-json convert(const std::vector<std::string>& words, int exit = 0) {
+json convert_tile(const std::vector<std::string>& words, int exit = 0) {
   std::vector<std::string> all = {"convert", "--json"};
   all.insert(all.end(), words.begin(), words.end());
   const Run run = run_command(all);
@@ -47,7 +47,7 @@ TEST_CASE("a tile is made, kept, shown and used by another asset") {
   const TempFolder folder;
   const std::string tile = folder.file("stones.meso"), asset = folder.file("ball.meso");
   const json kept =
-      convert({"tile:" + mesh_tile(stones(folder)), tile, "--color", "cells:seed=2", "--normals"});
+      convert_tile({"tile:" + mesh_tile(stones(folder)), tile, "--color", "cells:seed=2", "--normals"});
   CHECK(kept["cells"] == 3);
   CHECK(kept["instances"]["inside"] == 3);
   CHECK(kept["tiles"] == json({2, 1, 1}));
@@ -59,7 +59,7 @@ TEST_CASE("a tile is made, kept, shown and used by another asset") {
   CHECK(run_command({"render", tile, folder.file("tile.png"), "--size", "40x30"}).exit == 0);
 
   const std::string ball = folder.write("ball.off", mesh_bytes(make_sphere({0, 0, 0}, 4, 20), "mesh.off"));
-  const json used = convert({ball, asset, "--tiles", "8", "--tile", tile});
+  const json used = convert_tile({ball, asset, "--tiles", "8", "--tile", tile});
   CHECK(used["cells"] == 3);
   CHECK(used["cell_colors"] == 3);
   CHECK(used["normals"] == kept["normals"]);
@@ -67,27 +67,28 @@ TEST_CASE("a tile is made, kept, shown and used by another asset") {
   CHECK(used["instances"]["inside"] > 100);
   // Colors of one's own replace those that came with the tile.
   const json recolored =
-      convert({ball, folder.file("marble.meso"), "--tile", tile, "--color", "marble:resolution=8"});
+      convert_tile({ball, folder.file("marble.meso"), "--tile", tile, "--color", "marble:resolution=8"});
   CHECK(recolored["cell_colors"] == 0);
   CHECK(recolored["color_resolution"] == json({8, 8, 8}));
   CHECK(recolored["metadata"]["color"] == "marble:resolution=8");
   // The same tile, directly.
-  convert({ball, folder.file("direct.meso"), "--tiles", "8", "--tile", mesh_tile(folder.file("stones.obj"))});
+  convert_tile(
+      {ball, folder.file("direct.meso"), "--tiles", "8", "--tile", mesh_tile(folder.file("stones.obj"))});
   const Run compared = run_command({"compare", asset, folder.file("direct.meso"), "--json"});
   CHECK(compared.json()["tags_differing"] == 0);
   CHECK(compared.json()["voxels_differing"] == 0);
-  CHECK(convert({ball, tile, "--tile", tile}, 2)["error"]["message"] ==
+  CHECK(convert_tile({ball, tile, "--tile", tile}, 2)["error"]["message"] ==
         "input and output are the same file; name another output");
 }
 
 TEST_CASE("generated tiles can be shown too, and options of a grid do nothing there") {
   const TempFolder folder;
-  const json tile = convert({"tile:voronoi:cells=5,resolution=16", folder.file("v.meso"), "--tiles", "4",
-                             "--tile-size", "1", "--box", "0,0,0,1,1,1"},
-                            2);
+  const json tile = convert_tile({"tile:voronoi:cells=5,resolution=16", folder.file("v.meso"), "--tiles", "4",
+                                  "--tile-size", "1", "--box", "0,0,0,1,1,1"},
+                                 2);
   const json warned =
-      convert({"tile:voronoi:cells=5,resolution=16", folder.file("v.meso"), "--tiles", "4", "--box",
-               "0,0,0,1,1,1", "--rule", "centre", "--tile", "spheres", "--percolating", "cut"});
+      convert_tile({"tile:voronoi:cells=5,resolution=16", folder.file("v.meso"), "--tiles", "4", "--box",
+                    "0,0,0,1,1,1", "--rule", "centre", "--tile", "spheres", "--percolating", "cut"});
   CHECK(warned["instances"]["inside"] == 5);
   CHECK(warning_ids(warned) == std::vector<std::string>(5, "option-unused"));
   CHECK(warned["volume"]["mesh"] == 0);
@@ -99,11 +100,11 @@ TEST_CASE("what is odd in meshes of a tile is said") {
   append(mesh, make_box({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}));
   append(mesh, make_box({0.1, 0.1, 0.1}, {0.101, 0.101, 0.101}));
   const std::string file = folder.write("boxes.off", mesh_bytes(mesh, "mesh.off"));
-  const json made = convert({"tile:" + mesh_tile(file), folder.file("t.meso")});
+  const json made = convert_tile({"tile:" + mesh_tile(file), folder.file("t.meso")});
   CHECK(made["cells"] == 2);
   CHECK(warning_ids(made) == std::vector<std::string>{"cells-dropped", "cells-overlap"});
   // All of the file as one cell: overlapping parts are united.
-  CHECK(convert({"tile:" + mesh_tile(file, ",cells=file"), folder.file("t.meso")})["cells"] == 1);
+  CHECK(convert_tile({"tile:" + mesh_tile(file, ",cells=file"), folder.file("t.meso")})["cells"] == 1);
 }
 
 TEST_CASE("labels become a tile: a folder of slices, pages of a TIFF, a raw file") {
@@ -130,25 +131,25 @@ TEST_CASE("labels become a tile: a folder of slices, pages of a TIFF, a raw file
   const std::string tiff = folder.write("labels.tif", tiff_bytes(slices)),
                     file = folder.write("labels.raw", raw);
 
-  const json a = convert({"tile:labels:file=" + folder.file("slices") + "/", folder.file("a.meso")});
+  const json a = convert_tile({"tile:labels:file=" + folder.file("slices") + "/", folder.file("a.meso")});
   CHECK(a["cells"] == 2);
   CHECK(a["tile_resolution"] == json({8, 8, 8}));
   CHECK(a["metadata"]["tile"] == "labels:file=slices");
   CHECK(warning_ids(a) == std::vector<std::string>{"tile-percolates"});
-  convert({"tile:labels:file=" + tiff, folder.file("b.meso")});
-  convert({"tile:labels:resolution=8,file=" + file, folder.file("c.meso")});
+  convert_tile({"tile:labels:file=" + tiff, folder.file("b.meso")});
+  convert_tile({"tile:labels:resolution=8,file=" + file, folder.file("c.meso")});
   for (const char* other : {"b.meso", "c.meso"}) {
     const json compared =
         run_command({"compare", folder.file("a.meso"), folder.file(other), "--json"}).json();
     CHECK(compared["differences"] == json({"metadata"}));
   }
   const json refused =
-      convert({"tile:labels:file=" + tiff, folder.file("d.meso"), "--percolating", "refuse"}, 3);
+      convert_tile({"tile:labels:file=" + tiff, folder.file("d.meso"), "--percolating", "refuse"}, 3);
   CHECK(refused["error"]["id"] == "tile-percolates");
   CHECK(refused["error"]["message"].get<std::string>().find("label 9") != std::string::npos);
-  convert({"tile:labels:file=" + file, folder.file("d.meso")}, 2);
-  convert({"tile:labels:file=" + file + ",resolution=9", folder.file("d.meso")}, 3);
-  convert({"tile:labels:file=" + tiff, folder.file("d.meso"), "--percolating", "perhaps"}, 2);
+  convert_tile({"tile:labels:file=" + file, folder.file("d.meso")}, 2);
+  convert_tile({"tile:labels:file=" + file + ",resolution=9", folder.file("d.meso")}, 3);
+  convert_tile({"tile:labels:file=" + tiff, folder.file("d.meso"), "--percolating", "perhaps"}, 2);
 }
 
 TEST_CASE("a picture becomes a solid texture, with a warning where it has a seam") {
@@ -161,17 +162,17 @@ TEST_CASE("a picture becomes a solid texture, with a warning where it has a seam
         ramp.samples.push_back(30 * x);
       }
   const std::string tile = "tile:voronoi:cells=3,resolution=8";
-  const json plain = convert({tile, folder.file("s.meso"), "--color",
-                              "image:file=" + folder.write("stripes.png", png_bytes(stripes))});
+  const json plain = convert_tile({tile, folder.file("s.meso"), "--color",
+                                   "image:file=" + folder.write("stripes.png", png_bytes(stripes))});
   CHECK(plain["color_resolution"] == json({8, 4, 1}));
   CHECK(plain["metadata"]["color"] == "image:file=stripes.png");
   CHECK(plain["warnings"].empty());
   const std::string file = folder.write("ramp.png", png_bytes(ramp));
-  CHECK(warning_ids(convert({tile, folder.file("r.meso"), "--color", "image:file=" + file})) ==
+  CHECK(warning_ids(convert_tile({tile, folder.file("r.meso"), "--color", "image:file=" + file})) ==
         std::vector<std::string>{"color-seam"});
-  convert({tile, folder.file("r.meso"), "--color", "image"}, 2);
-  convert({tile, folder.file("r.meso"), "--color", "image:seed=3,file=" + file}, 2);
-  convert({tile, folder.file("r.meso"), "--color", "image:file=" + folder.file("none.png")}, 3);
+  convert_tile({tile, folder.file("r.meso"), "--color", "image"}, 2);
+  convert_tile({tile, folder.file("r.meso"), "--color", "image:seed=3,file=" + file}, 2);
+  convert_tile({tile, folder.file("r.meso"), "--color", "image:file=" + folder.file("none.png")}, 3);
 }
 
 TEST_CASE("a tile that cannot be made is refused with the right exit code") {

@@ -16,6 +16,7 @@
 #include "format/file.h"
 #include "format/validate.h"
 #include "tests/faults/fault_child.h"
+#include "tests/faults/open_files.h"
 #include "tests/format/test_objects.h"
 #include "tests/support/catch.h"
 #include "tests/support/folder.h"
@@ -37,10 +38,6 @@ CellObject large_object() {
   options.cells = 50;
   options.maps = kAllMaps;
   return random_object(11, options);
-}
-
-std::size_t open_files() {
-  return std::size_t(std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator()));
 }
 
 std::size_t sum(std::span<const std::byte> bytes) {

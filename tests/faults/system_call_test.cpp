@@ -11,6 +11,7 @@
 #include "format/file.h"
 #include "format/mapped_file.h"
 #include "tests/faults/call_faults.h"
+#include "tests/faults/open_files.h"
 #include "tests/support/catch.h"
 #include "tests/support/folder.h"
 
@@ -22,10 +23,6 @@ using Bytes = std::vector<std::byte>;
 namespace {
 
 constexpr int kFailures[] = {EIO, ENOSPC, EDQUOT, EMFILE, EINTR, kShortCount, kZeroCount};
-
-std::size_t open_files() {
-  return std::size_t(std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator()));
-}
 
 bool transfers(Call call) { return call == Call::kRead || call == Call::kWrite; }
 

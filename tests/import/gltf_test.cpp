@@ -9,6 +9,7 @@
 #include "sdk/core/srgb.h"
 #include "tests/import/gltf_scene.h"
 #include "tests/import/mesh_bytes.h"
+#include "tests/import/messages.h"
 #include "tests/import/picture_bytes.h"
 #include "tests/support/catch.h"
 #include "tests/support/shapes.h"
@@ -39,18 +40,7 @@ std::string refusal(const std::string& bytes) {
   return mesh.error().message;
 }
 
-bool says(const std::string& message, std::string_view what) {
-  INFO(message);
-  return message.find(what) != std::string::npos;
-}
-
-bool has(const MeshReadReport& report, std::string_view id) {
-  return std::any_of(report.warnings.begin(), report.warnings.end(),
-                     [&](const MeshWarning& warning) { return warning.id == id; });
-}
-
 const TriangleMesh kBox = make_box({0, 0, 0}, {1, 2, 3});
-const PlainPicture kFour{2, 2, 3, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255}};
 
 /// A triangle with texture coordinates and a picture as its material.
 GltfScene textured(const std::string& picture_uri = "") {

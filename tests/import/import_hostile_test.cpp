@@ -6,6 +6,7 @@
 #include "converters/import/mesh_file.h"
 #include "sdk/core/rng.h"
 #include "tests/import/mesh_bytes.h"
+#include "tests/import/messages.h"
 #include "tests/support/catch.h"
 #include "tests/support/data.h"
 #include "tests/support/shapes.h"
@@ -33,10 +34,6 @@ std::string refusal(const std::string& name, const std::string& bytes,
   REQUIRE(!mesh.ok());
   CHECK(mesh.error().code == code);
   return mesh.error().message;
-}
-
-bool says(const std::string& message, const std::string& what) {
-  return message.find(what) != std::string::npos;
 }
 
 /// With colors where the format has them.

@@ -10,6 +10,7 @@
 #include "converters/import/mesh_file.h"
 #include "converters/import/sniff.h"
 #include "tests/import/mesh_bytes.h"
+#include "tests/import/messages.h"
 #include "tests/import/picture_bytes.h"
 #include "tests/support/catch.h"
 #include "tests/support/shapes.h"
@@ -18,11 +19,6 @@ using namespace mesocell;
 using namespace mesocell::test;
 
 namespace {
-
-bool has(const MeshReadReport& report, std::string_view id) {
-  return std::any_of(report.warnings.begin(), report.warnings.end(),
-                     [&](const MeshWarning& warning) { return warning.id == id; });
-}
 
 PaintedMesh painted(const std::string& path, MeshReadReport& report) {
   Result<PaintedMesh> mesh = read_painted_mesh(path, {}, &report);
@@ -39,8 +35,6 @@ std::string big(std::uint32_t n) {
 std::string big(float x) { return big(std::bit_cast<std::uint32_t>(x)); }
 
 const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
-/// Red, green / blue, white.
-const PlainPicture kFour{2, 2, 3, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255}};
 
 }  // namespace
 

@@ -16,6 +16,9 @@ struct PlainPicture {
   std::vector<std::uint32_t> samples;
 };
 
+/// Red, green / blue, white.
+inline const PlainPicture kFour{2, 2, 3, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255}};
+
 struct PngOptions {
   unsigned bits = 8;  ///< of a sample: 1, 2, 4, 8 or 16
   std::optional<unsigned> color_type =

@@ -8,6 +8,7 @@
 #include "converters/import/volume_file.h"
 #include "sdk/core/rng.h"
 #include "tests/import/mesh_bytes.h"
+#include "tests/import/messages.h"
 #include "tests/import/picture_bytes.h"
 #include "tests/support/catch.h"
 
@@ -30,10 +31,6 @@ std::vector<PlainPicture> small_pages() {
   for (PlainPicture& page : pages)
     for (std::uint32_t& sample : page.samples) sample = ++label;
   return pages;
-}
-
-bool says(const std::string& message, const std::string& what) {
-  return message.find(what) != std::string::npos;
 }
 
 /// The error's message, with its code checked, of labels or colors.

@@ -46,7 +46,7 @@ std::set<std::uint32_t> marks_of(const LabelVolume& volume, std::uint32_t label,
 
 /// A cell that goes along x around the tile, so often; each time it ends 3 voxels higher, where its next
 /// round begins.
-LabelVolume thread(std::uint32_t rounds) {
+LabelVolume winding_rounds(std::uint32_t rounds) {
   LabelVolume volume = no_labels({8, 3 * rounds + 2, 8});
   for (std::uint32_t round = 0; round < rounds; ++round)
     for (std::uint32_t x = 0; x < 8; ++x) at(volume, x, 3 * round + (x < 4 ? 0 : x - 4), 2) = 1;
@@ -134,11 +134,11 @@ TEST_CASE("source 4.2-4.3: eight slots a cell, the second range one short, are t
   CHECK_FALSE(ids.contains(corners->id(corners->voxel_index(5, 5, 5))));
 
   // A cell of more than eight pieces: the source knows no ninth.
-  const Result<TileMap> winding = make_label_tile(thread(12), Percolating::kRefuse);
+  const Result<TileMap> winding = make_label_tile(winding_rounds(12), Percolating::kRefuse);
   REQUIRE(winding.ok());
   CHECK(winding->cell_count == 1);
   CHECK(winding->pieces.size() == 12);
-  const LabelVolume rounds = thread(12);
+  const LabelVolume rounds = winding_rounds(12);
   CHECK(marks_of(rounds, 1, [&](std::size_t i) { return winding->id(i); }).size() == 12);
 
   // More than eight cells, of which 64 slots hold no more.
@@ -153,7 +153,7 @@ TEST_CASE("source 4.2-4.3: eight slots a cell, the second range one short, are t
 TEST_CASE("source 4.3: pieces of one cell with one face code are told apart") {
   // Every round goes from the face x = 0 to the opposite one, so all have face code 3, but each is of another
   // instance of the cell.
-  const LabelVolume volume = thread(4);
+  const LabelVolume volume = winding_rounds(4);
   const Result<TileMap> tile = make_label_tile(volume, Percolating::kRefuse);
   REQUIRE(tile.ok());
   const std::vector<std::uint8_t> codes = split_cells_by_passes(volume.resolution, volume.labels, 64);

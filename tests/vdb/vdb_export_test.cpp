@@ -21,6 +21,7 @@
 #include "tests/support/folder.h"
 #include "tests/support/objects.h"
 #include "tests/support/shapes.h"
+#include "tests/vdb/volumes.h"
 
 using namespace mesocell;
 using namespace mesocell::test;
@@ -36,11 +37,6 @@ CellObject authored(const std::string& recipe, MembershipRule rule, std::uint32_
   auto object = author_cell_object(make_torus({0.1, -2, 3.3}, 1, 0.4, 24, 12), std::move(*tile), options);
   REQUIRE(object);
   return std::move(*object);
-}
-
-std::string content(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 SparseVolume read_grid(const std::string& path, const std::string& name) {

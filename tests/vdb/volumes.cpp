@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <set>
 
 namespace mesocell::test {
@@ -95,6 +96,11 @@ SparseVolume ball_volume(double radius, double edge) {
         }
       }
   return volume;
+}
+
+std::string content(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace mesocell::test

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "converters/vdb/sparse_volume.h"
 #include "sdk/core/rng.h"
@@ -16,5 +17,8 @@ namespace mesocell::test {
 
 /// A level set of a ball about the origin, exact within a band of three voxels, of `edge` each.
 [[nodiscard]] SparseVolume ball_volume(double radius, double edge);
+
+/// All bytes of a file.
+[[nodiscard]] std::string content(const std::string& path);
 
 }  // namespace mesocell::test
