@@ -145,7 +145,7 @@ TEST_CASE("what cannot be measured is refused with its reason") {
   CHECK(error(one_block(), mesh, &progress).code == ErrorCode::kCancelled);
 }
 
-TEST_CASE("distances fall as tiles get smaller, in both directions and by both rules") {
+TEST_CASE("distances fall as tiles get smaller, in both directions and by both rules", "[slow]") {
   std::vector<std::pair<std::string, TriangleMesh>> meshes = {
       {"sphere", make_sphere({1, 2, 3}, 1, 24)}, {"torus", make_torus({0, 0, 0}, 2, 0.8, 40, 20)}};
   if (const auto path = find_data("meshes/rocker-arm.obj")) {

@@ -10,6 +10,7 @@
 #include "sdk/membership/winding_number.h"
 #include "tests/support/catch.h"
 #include "tests/support/membership_oracle.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/shapes.h"
 
 using namespace mesocell;
@@ -61,7 +62,8 @@ TriangleMesh hostile_mesh(Rng& rng, const Index3& size) {
     } else {
       Vec3 v[4];
       for (Vec3& p : v)
-        p = !used.empty() && rng.below(4) == 0 ? used[rng.below(std::uint32_t(used.size()))] : vertex(rng, size);
+        p = !used.empty() && rng.below(4) == 0 ? used[rng.below(std::uint32_t(used.size()))]
+                                               : vertex(rng, size);
       // Slivers: the last vertex nearly on an edge, or nearly on the plane of the others.
       const double s = rng.uniform(), t = rng.uniform() * (1 - s);
       if (rng.below(3) == 0) v[3] = v[0] + (v[1] - v[0]) * s + (v[2] - v[0]) * (rng.below(2) ? t : 1e-12);
@@ -76,7 +78,7 @@ TriangleMesh hostile_mesh(Rng& rng, const Index3& size) {
 
 struct Grid {
   Index3 resolution, tiles;
-  int cases;
+  std::size_t cases;
 };
 
 }  // namespace
@@ -90,7 +92,7 @@ TEST_CASE("every voxel of ten thousand hostile meshes is on its side") {
         Grid{{10, 10, 10}, {10, 10, 10}, 10}, Grid{{10, 4, 25}, {5, 16, 4}, 10}}) {
     const TileMap tile = single_voxel_cells(grid.resolution);
     const Index3 size = voxels_of(grid.tiles, tile);
-    for (int k = 0; k < grid.cases; ++k, ++cases) {
+    for (std::size_t k = 0; k < repetitions(grid.cases); ++k, ++cases) {
       const TriangleMesh mesh = hostile_mesh(rng, size);
       const std::vector<bool> expected = inside_by_definition(mesh, size);
       const Result<MembershipMap> map = compute_membership(mesh, grid.tiles, tile, {.threads = 1});
@@ -110,7 +112,7 @@ TEST_CASE("every voxel of ten thousand hostile meshes is on its side") {
       }
     }
   }
-  CHECK(cases >= 10'000);
+  CHECK(cases >= repetitions(10'000));
   CHECK(wrong == 0);
   CHECK(wrong_points == 0);
   // Most of them say something.

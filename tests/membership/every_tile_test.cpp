@@ -236,7 +236,7 @@ TEST_CASE("the table of tiles names every generator and every choice that it off
   CHECK(choices == 5 + 4 + 2);
 }
 
-TEST_CASE("both membership rules equal brute force for every tile: torus") {
+TEST_CASE("both membership rules equal brute force for every tile: torus", "[slow]") {
   compare_tiles(20110, [](const Index3& voxels, Rng& rng) {
     return turned(make_torus({0, 0, 0}, 13, 8, 24, 14), middle_of(voxels), rng);
   });
@@ -258,7 +258,7 @@ TEST_CASE("both membership rules equal brute force for every tile: overlapping s
   });
 }
 
-TEST_CASE("both membership rules equal brute force for every tile: a real mesh") {
+TEST_CASE("both membership rules equal brute force for every tile: a real mesh", "[slow]") {
   const auto path = find_data("meshes/spot.obj");
   if (!path) {
     WARN("spot.obj is not here; skipped");

@@ -10,6 +10,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/data.h"
 #include "tests/support/membership_oracle.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/shapes.h"
 
 using namespace mesocell;
@@ -101,7 +102,7 @@ TEST_CASE("every tag of generated meshes equals the definition, voxel by voxel")
   }
 }
 
-TEST_CASE("every tag of real meshes equals the definition, voxel by voxel") {
+TEST_CASE("every tag of real meshes equals the definition, voxel by voxel", "[slow]") {
   for (const char* name : {"rocker-arm.obj", "fandisk.off", "knot1.off", "armadillo.obj", "spot.obj",
                            "lucy.ply", "knot_orig_metro.ply"}) {
     const auto path = find_data(std::string("meshes/") + name);
@@ -180,7 +181,7 @@ TEST_CASE("adversarial small meshes equal the definition") {
   Rng rng(12);
   const TileMap tile = tile_of("voronoi:cells=3,resolution=8,seed=2");
   const Index3 tiles{2, 2, 2}, voxels{16, 16, 16};
-  for (int k = 0; k < 3000; ++k) {
+  for (std::size_t k = 0; k < repetitions(3000); ++k) {
     TriangleMesh mesh;
     const std::uint32_t parts = 1 + rng.below(3);
     for (std::uint32_t p = 0; p < parts; ++p) {
@@ -258,7 +259,7 @@ TEST_CASE("by rule conservative, whatever the surface touches is intersected") {
   }
   SECTION("adversarial small meshes") {
     Rng rng(13);
-    for (int k = 0; k < 150; ++k) {
+    for (std::size_t k = 0; k < repetitions(150); ++k) {
       const auto coordinate = [&]() {
         switch (rng.below(4)) {
           case 0:

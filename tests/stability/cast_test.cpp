@@ -105,7 +105,7 @@ TEST_CASE("objects of boxes are as their boxes say") {
       }
 }
 
-TEST_CASE("exact answers all of the catalogue, the source's search fails where it is said to") {
+TEST_CASE("exact answers all of the catalogue, the source's search fails where it is said to", "[slow]") {
   const std::vector<CastCase> cases = cast_cases(300);
   REQUIRE(cases.size() > 30);
   for (const CastCase& c : cases) {

@@ -15,6 +15,7 @@
 #include "tests/support/cast_oracle.h"
 #include "tests/support/catch.h"
 #include "tests/support/objects.h"
+#include "tests/support/sanitized.h"
 
 using namespace mesocell;
 using namespace mesocell::test;
@@ -399,14 +400,16 @@ void check_arbitrary_rays(std::size_t rays) {
 }  // namespace
 
 TEST_CASE("exact tracing equals the definition on a million rays of integers") {
-  check_integer_rays(1000000);
+  check_integer_rays(repetitions(1000000));
 }
 
 TEST_CASE("exact tracing equals the definition on ten million rays of integers", "[slow]") {
   check_integer_rays(10000000);
 }
 
-TEST_CASE("exact tracing equals the definition on rays of arbitrary doubles") { check_arbitrary_rays(10000); }
+TEST_CASE("exact tracing equals the definition on rays of arbitrary doubles") {
+  check_arbitrary_rays(repetitions(10000));
+}
 
 TEST_CASE("a ray that is none is a miss") {
   Rng rng(6);

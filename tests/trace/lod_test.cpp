@@ -60,7 +60,15 @@ TEST_CASE("hits of a level are exact on that level, and its voxels no larger tha
   const CellObject object = random_object(rng, "voronoi:cells=4,resolution=32,seed=5", {3, 3, 3}, 0.4);
   const auto lod = make_lod_caster(object, 1);
   const double pixel = 1e-3, n = 96;
-  std::map<int, int> seen;
+  std::map<unsigned, int> seen;
+  std::vector<CellObject> levels;
+  for (unsigned level = 0; level < 4; ++level) {
+    auto at_level = coarser(object, level);
+    REQUIRE(at_level);
+    levels.push_back(std::move(*at_level));
+  }
+  std::vector<decltype(make_exact_caster(object))> casters;
+  for (const CellObject& at_level : levels) casters.push_back(make_exact_caster(at_level));
   for (int k = 0; k < 300; ++k) {
     // One metre a voxel: at 1000 metres one appears a pixel large.
     const Vec3 away = normalize({rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)});
@@ -70,10 +78,9 @@ TEST_CASE("hits of a level are exact on that level, and its voxels no larger tha
     std::vector<StreamHit> hits(rays.size()), exact(rays.size());
     lod->first_hits(rays, hits);
     const unsigned level = hits[0].level;
-    ++seen[int(level)];
-    const auto at_level = coarser(object, level);
-    REQUIRE(at_level);
-    make_exact_caster(*at_level)->first_hits(rays, exact);
+    REQUIRE(level < casters.size());
+    ++seen[level];
+    casters[level]->first_hits(rays, exact);
     for (std::size_t r = 0; r < rays.size(); ++r) {
       REQUIRE(hits[r].level == level);
       REQUIRE(hits[r].t == exact[r].t);
