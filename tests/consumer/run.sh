@@ -49,7 +49,12 @@ if [ "$authoring" = no ]; then
   ! grep -E '^(CGAL|OpenMesh|OpenImageIO)_DIR|libgmp' "$build/CMakeCache.txt" ||
     fail "the build without authoring looks for the libraries above"
 fi
-# Every header can be included alone, with warnings. They are the same in all builds, so one of them is enough.
+# Every header can be included, and alone, with warnings. They are the same in all builds, so one of them is enough. Those
+# that are the first thing in a source are compiled alone by every build, so here all together.
+leads_source() {
+  local text=$source/${1%.h}.cpp
+  [ -f "$text" ] && [ "$(grep -m 1 '^#include' "$text")" = "#include \"$1\"" ]
+}
 check_header() {
   case $1 in
     *mesocell_loader.h)
@@ -62,7 +67,12 @@ check_header() {
 export -f check_header
 export CC CXX include=$prefix/include/mesocell
 if [ "$build" != "$work/build" ]; then
-  find "$include" -name '*.h' -print0 | xargs -0 -P 2 -I{} bash -c 'check_header "{}"' || fail "a header"
+  alone=()
+  while IFS= read -r header; do
+    printf '#include "%s"\n' "$header" >>"$work/all_headers.h"
+    [[ $header != */mesocell_loader.h ]] && leads_source "$header" || alone+=("$include/$header")
+  done < <(find "$include" -name '*.h' -printf '%P\n' | sort)
+  printf '%s\0' "$work/all_headers.h" "${alone[@]}" | xargs -0 -P 2 -I{} bash -c 'check_header "{}"' || fail "a header"
 fi
 # Only the project's own names are exported.
 if [ "$shared" = yes ]; then
