@@ -18,10 +18,10 @@
 namespace mesocell {
 namespace {
 
-constexpr int kSlots = 1024;
+constexpr int kMappings = 1024;
 
 /// A mapping as the signal handler sees it, in fixed storage.
-struct Slot {
+struct Mapping {
   std::atomic<bool> taken{false};
   /// Odd while `begin` and `end` hold a mapping. It changes with every mapping, so that a handler that looks
   /// at a slot that is not its own never mixes two.
@@ -30,7 +30,7 @@ struct Slot {
   std::atomic<std::uintptr_t> end{0};
   std::atomic<bool> lost{false};
 };
-std::array<Slot, kSlots> slots;
+std::array<Mapping, kMappings> mappings;
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 static_assert(std::atomic<std::uintptr_t>::is_always_lock_free);
 static_assert(std::atomic<bool>::is_always_lock_free);
@@ -39,15 +39,15 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 struct sigaction previous_action = {};
 std::uintptr_t page_bytes = 0;
 
-Slot& slot_at(int index) { return slots[static_cast<std::size_t>(index)]; }
+Mapping& slot_at(int index) { return mappings[static_cast<std::size_t>(index)]; }
 
 int claim_slot() {
-  for (int i = 0; i < kSlots; ++i)
+  for (int i = 0; i < kMappings; ++i)
     if (!slot_at(i).taken.exchange(true)) return i;
   return -1;
 }
 
-void publish(Slot& slot, const void* data, std::size_t size) {
+void publish(Mapping& slot, const void* data, std::size_t size) {
   const auto begin = reinterpret_cast<std::uintptr_t>(data);
   slot.lost.store(false);
   slot.begin.store(begin);
@@ -119,7 +119,7 @@ Result<MappedFile> MappedFile::open(const std::string& path, std::uint64_t max_b
 
   file.slot_ = claim_slot();
   if (file.slot_ < 0)
-    return Error{ErrorCode::kLimit, "more than " + std::to_string(kSlots) + " files are mapped at once"};
+    return Error{ErrorCode::kLimit, "more than " + std::to_string(kMappings) + " files are mapped at once"};
   void* const data =
       ::mmap(nullptr, static_cast<std::size_t>(size), PROT_READ, MAP_SHARED, file.descriptor_, 0);
   if (data == MAP_FAILED) {
@@ -185,7 +185,7 @@ Status MappedFile::check() const try {
 
 bool MappedFile::handle_fault(const void* address) noexcept {
   const auto at = reinterpret_cast<std::uintptr_t>(address);
-  for (Slot& slot : slots) {
+  for (Mapping& slot : mappings) {
     const std::uint64_t version = slot.version.load();
     const std::uintptr_t begin = slot.begin.load();
     const std::uintptr_t end = slot.end.load();

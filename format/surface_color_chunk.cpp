@@ -16,7 +16,7 @@ using std::to_string;
 
 constexpr std::uint64_t kFieldBytes = 24;
 constexpr std::uint64_t kPageTiles = 4096;
-constexpr std::uint64_t kRankBytes = 8;  // of a page: bricks and colors before it
+constexpr std::uint64_t kBrickRankBytes = 8;  // of a page: bricks and colors before it
 
 /// Where the parts are. Tiles are below 2³¹, bricks and colors, as stated, below 2³² and masks of at most
 /// 4096 bytes, so that all sums stay below 2⁴⁵.
@@ -28,7 +28,7 @@ struct Layout {
     bricks_at = kPartAlignment;
     bricks_end = bricks_at + (tiles + 7) / 8;
     ranks_at = aligned_part(bricks_end);
-    ranks_end = ranks_at + (tiles + kPageTiles - 1) / kPageTiles * kRankBytes;
+    ranks_end = ranks_at + (tiles + kPageTiles - 1) / kPageTiles * kBrickRankBytes;
     masks_at = aligned_part(ranks_end);
     masks_end = masks_at + bricks * mask_bytes;
     colors_at = aligned_part(masks_end);
@@ -129,7 +129,7 @@ void number_bricks(const ChunkPayload& chunk, const Layout& layout, SurfaceColor
       const std::uint32_t bricks = ranks.u32(), colors = ranks.u32();
       const std::uint32_t colors_before = brick < map.first.size() ? map.first[brick] : color_count;
       if ((bricks != brick || colors != colors_before) && sink.wants(IssueId::kScolRank))
-        add_issue(sink, IssueId::kScolRank, chunk, layout.ranks_at + t / kPageTiles * kRankBytes,
+        add_issue(sink, IssueId::kScolRank, chunk, layout.ranks_at + t / kPageTiles * kBrickRankBytes,
                   to_string(bricks) + ", " + to_string(colors) + " instead of " + to_string(brick) + ", " +
                       to_string(colors_before));
     }

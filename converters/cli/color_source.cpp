@@ -12,8 +12,8 @@
 namespace mesocell {
 namespace {
 
-constexpr std::string_view kImport = "image", kOwn = "mesh", kOwnGrid = "grid", kVolume = "volume",
-                           kOption = "--color";
+constexpr std::string_view kImport = "image", kOwn = "mesh", kOwnGrid = "grid", kVolumeColors = "volume",
+                           kColorOption = "--color";
 
 /// What tells that a texture does not tile.
 void check_seams(const ColorMap& map, std::vector<Warning>& warnings) {
@@ -32,7 +32,7 @@ void check_seams(const ColorMap& map, std::vector<Warning>& warnings) {
 std::optional<Failure> read_bake(const Recipe& recipe, Colors& colors) {
   if (!recipe.options.contains("bake")) return std::nullopt;
   const auto resolution = resolution_option(recipe, "bake", {}, 1, SurfaceColors::kMaxResolution);
-  if (!resolution) return Failure{resolution.error(), std::string(kOption)};
+  if (!resolution) return Failure{resolution.error(), std::string(kColorOption)};
   colors.surface_resolution = *resolution;
   return std::nullopt;
 }
@@ -40,7 +40,7 @@ std::optional<Failure> read_bake(const Recipe& recipe, Colors& colors) {
 /// Colors from a grid of a volume.
 std::optional<Failure> read_colors_of_volume(const Recipe& recipe, const Progress& progress, Colors& colors,
                                              ReadNotes& notes) {
-  const std::string option(kOption);
+  const std::string option(kColorOption);
   constexpr std::array<std::string_view, 3> kOptions = {"bake", "file", "grid"};
   if (const Status status = check_options(recipe, "color", kOptions); !status)
     return Failure{status.error(), option};
@@ -62,8 +62,8 @@ std::optional<Failure> read_colors_of_volume(const Recipe& recipe, const Progres
 std::optional<Failure> make_sourced_colors(const Recipe& recipe, std::uint32_t cell_count,
                                            const ShapeSource& shape, const Progress& progress, Colors& colors,
                                            std::vector<Warning>& warnings, ReadNotes& notes) {
-  const std::string option(kOption);
-  if (recipe.name == kVolume) return read_colors_of_volume(recipe, progress, colors, notes);
+  const std::string option(kColorOption);
+  if (recipe.name == kVolumeColors) return read_colors_of_volume(recipe, progress, colors, notes);
   if (recipe.name == kOwn || recipe.name == kOwnGrid) {
     // The picture was read with the mesh, see texture_of_color().
     constexpr std::array<std::string_view, 2> kOwnOptions = {"bake", "texture"};

@@ -6,13 +6,13 @@
 namespace mesocell {
 namespace {
 
-struct Row {
+struct ErrorRow {
   ErrorCode code;
   ExitCode exit;
   const char* name;
 };
 
-constexpr std::array<Row, 6> kRows = {{
+constexpr std::array<ErrorRow, 6> kErrorRows = {{
     {ErrorCode::kUsage, kExitUsage, "usage"},
     {ErrorCode::kUnreadable, kExitInput, "unreadable"},
     {ErrorCode::kInvalidInput, kExitInput, "invalid-input"},
@@ -21,10 +21,10 @@ constexpr std::array<Row, 6> kRows = {{
     {ErrorCode::kCancelled, kExitInterrupted, "interrupted"},
 }};
 
-const Row& row(ErrorCode code) {
-  for (const Row& candidate : kRows)
+const ErrorRow& row(ErrorCode code) {
+  for (const ErrorRow& candidate : kErrorRows)
     if (candidate.code == code) return candidate;
-  return kRows[0];
+  return kErrorRows[0];
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace mesocell {
 namespace {
 
-constexpr const char* kOption = "--heights";
+constexpr const char* kHeightsOption = "--heights";
 
 Result<std::optional<double>> optional_number(const Recipe& recipe, const std::string& name, double low) {
   if (!recipe.options.contains(name)) return std::optional<double>();
@@ -129,12 +129,13 @@ std::optional<Failure> read_heights(const std::string& input, const HeightPlan& 
                                     std::vector<Warning>& warnings, ReadNotes& notes) {
   Result<HeightSamples> samples =
       read_height_file(input, {.channel = plan.channel, .no_data = plan.no_data}, &progress);
-  if (!samples) return Failure{samples.error(), samples.error().code == ErrorCode::kUsage ? kOption : input};
+  if (!samples)
+    return Failure{samples.error(), samples.error().code == ErrorCode::kUsage ? kHeightsOption : input};
   notes.add(samples->notes);
   HeightSamples facts = *samples;
   facts.samples.clear();
   Result<HeightField> field = lay_field(std::move(*samples), plan);
-  if (!field) return Failure{field.error(), field.error().code == ErrorCode::kUsage ? kOption : input};
+  if (!field) return Failure{field.error(), field.error().code == ErrorCode::kUsage ? kHeightsOption : input};
   if (!facts.exact)
     warnings.push_back(
         {"heights-lossy",

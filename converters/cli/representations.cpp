@@ -17,17 +17,17 @@ namespace mesocell {
 namespace {
 
 /// What the command knows of a representation. Another representation is one more row.
-struct Row {
+struct Loader {
   std::uint32_t code;
   Result<std::unique_ptr<Asset>> (*load)(const Container&, const ReadLimits&, std::size_t asset);
 };
 
-constexpr std::array<Row, 1> kRows = {{{fourcc("CELL"), load_cell_object}}};
+constexpr std::array<Loader, 1> kLoaders = {{{fourcc("CELL"), load_cell_object}}};
 
 Result<NamedAsset> load(const Container& container, std::size_t index, const ReadLimits& limits) {
   if (Status status = container.verify(index); !status) return status.error();
   const AssetInfo& info = container.assets()[index];
-  for (const Row& row : kRows) {
+  for (const Loader& row : kLoaders) {
     if (row.code != info.representation) continue;
     Result<std::unique_ptr<Asset>> asset = row.load(container, limits, index);
     if (!asset) return asset.error();

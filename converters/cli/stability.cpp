@@ -35,7 +35,7 @@ std::optional<Failure> find_methods(const std::string& list, std::vector<const V
 }
 
 /// "meshes/knot.off" gives "knot".
-std::string name_of(const std::string& path) {
+std::string mesh_name(const std::string& path) {
   const std::size_t slash = path.rfind('/');
   const std::string file = slash == path.npos ? path : path.substr(slash + 1);
   return file.substr(0, file.rfind('.'));
@@ -58,7 +58,7 @@ std::optional<Failure> read_meshes(const StabilityCommand& command, const Progre
                                    std::uint32_t detail, std::vector<NamedMesh>& meshes,
                                    std::vector<MeshPair>& pairs) {
   for (const std::string& path : command.meshes) {
-    NamedMesh named{name_of(path), {}};
+    NamedMesh named{mesh_name(path), {}};
     if (auto failure = read_mesh(path, progress, named.mesh)) return failure;
     if (const MeshDiagnosis diagnosis = diagnose(named.mesh); !diagnosis.closed())
       return Failure{Error{ErrorCode::kInvalidInput,
@@ -69,7 +69,7 @@ std::optional<Failure> read_meshes(const StabilityCommand& command, const Progre
     meshes.push_back(std::move(named));
   }
   for (std::size_t k = 0; k + 1 < command.pairs.size(); k += 2) {
-    MeshPair pair{name_of(command.pairs[k]), {}, {}};
+    MeshPair pair{mesh_name(command.pairs[k]), {}, {}};
     if (auto failure = read_mesh(command.pairs[k], progress, pair.broken)) return failure;
     if (auto failure = read_mesh(command.pairs[k + 1], progress, pair.sound)) return failure;
     if (const MeshDiagnosis diagnosis = diagnose(pair.sound); !diagnosis.closed())

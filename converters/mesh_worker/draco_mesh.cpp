@@ -21,7 +21,7 @@ Error damaged(const std::string& why) {
 }
 
 /// The greatest value of an integer type; 0 of types that are not read.
-double full_value(draco::DataType type) {
+double full_draco_value(draco::DataType type) {
   switch (type) {
     case draco::DT_INT8:
       return 127;
@@ -59,7 +59,7 @@ bool read_values(const draco::PointAttribute& attribute, std::uint32_t points, D
 
 bool read_attribute(const draco::PointAttribute& attribute, std::uint32_t points, DracoValues& out) {
   out.components = attribute.num_components();
-  out.full = full_value(attribute.data_type());
+  out.full = full_draco_value(attribute.data_type());
   if (out.components < 1 || out.components > 4 || out.full == 0) return false;
   switch (attribute.data_type()) {
     case draco::DT_FLOAT32:

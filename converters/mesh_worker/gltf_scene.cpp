@@ -66,7 +66,7 @@ Placement placement_of(const tinygltf::Node& node) {
   return p;
 }
 
-Error broken(const std::string& why) {
+Error senseless(const std::string& why) {
   return {ErrorCode::kInvalidInput, "the scene cannot be understood (" + why + "); export it again"};
 }
 
@@ -230,7 +230,7 @@ class SceneMesh {
       const int index = attributes.Get(name).GetNumberAsInt();
       const Result<std::vector<GltfElement>> values = read_accessor(model_, index);
       if (!values) return values.error();
-      if (values->size() != count) return broken("attributes of instances have different lengths");
+      if (values->size() != count) return senseless("attributes of instances have different lengths");
       const tinygltf::Accessor& accessor = model_.accessors[std::size_t(index)];
       const double full = accessor.normalized ? 1 : full_value(accessor.componentType);
       for (std::size_t i = 0; i < count; ++i) {
@@ -323,7 +323,7 @@ Result<WorkerMesh> read_gltf_scene(std::span<const std::byte> glb) {
   std::string error, warning;
   if (!loader.LoadBinaryFromMemory(&model, &error, &warning,
                                    reinterpret_cast<const unsigned char*>(glb.data()), unsigned(glb.size())))
-    return broken(error.substr(0, 200));
+    return senseless(error.substr(0, 200));
   WorkerMesh out;
   out.warnings = std::move(pictures.warnings);
   out.painted.paint.images = std::move(pictures.images);
@@ -334,7 +334,7 @@ Result<WorkerMesh> read_gltf_scene(std::span<const std::byte> glb) {
     Placement placement;
   };
   std::vector<Visit> open;
-  if (model.scenes.size() != 1) return broken("no scene");
+  if (model.scenes.size() != 1) return senseless("no scene");
   std::uint64_t visited = 0;
   for (auto root = model.scenes[0].nodes.rbegin(); root != model.scenes[0].nodes.rend(); ++root)
     open.push_back({std::size_t(*root), {}});
@@ -342,7 +342,7 @@ Result<WorkerMesh> read_gltf_scene(std::span<const std::byte> glb) {
     const Visit visit = open.back();
     open.pop_back();
     if (visit.node >= model.nodes.size() || ++visited > model.nodes.size())
-      return broken("nodes are no tree");
+      return senseless("nodes are no tree");
     const tinygltf::Node& node = model.nodes[visit.node];
     const Placement placement = visit.placement * placement_of(node);
     if (Status status = scene.add(node, placement); !status) return status.error();

@@ -11,7 +11,7 @@
 namespace mesocell {
 namespace {
 
-constexpr double kSphere = 4 * std::numbers::pi;
+constexpr double kAllAround = 4 * std::numbers::pi;
 constexpr std::uint32_t kLeaf = 4;
 /// Bounds the rounding of one triangle's share, where its angle is well conditioned.
 constexpr double kRounding = 1e-14;
@@ -64,7 +64,7 @@ class ShareSum {
 
   [[nodiscard]] WindingField::Value total() {
     flush();
-    return {2 * angle_ / kSphere, error_};
+    return {2 * angle_ / kAllAround, error_};
   }
 
  private:
@@ -86,7 +86,7 @@ Vec3 share_gradient(const std::array<Vec3, 3>& triangle, Vec3 p) {
     const double divisor = la * lb * (la * lb + dot(a, b));
     if (divisor > 0) sum = sum + cross(a, b) * ((la + lb) / divisor);
   }
-  return sum / kSphere;
+  return sum / kAllAround;
 }
 
 }  // namespace
@@ -130,7 +130,7 @@ std::uint32_t WindingField::build(std::uint32_t begin, std::uint32_t end) {
     second_moment += length(directed) * squares / 12;
   }
   // The second derivative of r/r³ is at most 6/r⁴.
-  node.moment_root = std::sqrt(std::sqrt(3 * second_moment / kSphere));
+  node.moment_root = std::sqrt(std::sqrt(3 * second_moment / kAllAround));
   if (end - begin > kLeaf) {
     const std::uint32_t middle = begin + (end - begin) / 2;
     node.left = build(begin, middle);
@@ -159,7 +159,7 @@ WindingField::Value WindingField::approximate(Vec3 p, double tolerance) const {
       const Vec3 md{m[0] * d.x + m[1] * d.y + m[2] * d.z, m[3] * d.x + m[4] * d.y + m[5] * d.z,
                     m[6] * d.x + m[7] * d.y + m[8] * d.z};
       value.winding += (dot(node.dipole, d) + m[0] + m[4] + m[8] - 3 * dot(md, d) / squared) /
-                       (squared * distance) / kSphere;
+                       (squared * distance) / kAllAround;
       value.error += error * error;
       continue;
     }
@@ -195,12 +195,12 @@ void WindingField::localize(const Box3& box, double tolerance, Local& local) con
       // that of the sum.
       const double moment = node.moment_root * node.moment_root;
       const double error =
-          2 * (moment * moment + 3 * node.area * radius * radius / kSphere) / (gap * gap * gap * gap);
+          2 * (moment * moment + 3 * node.area * radius * radius / kAllAround) / (gap * gap * gap * gap);
       if (error < tolerance) {
         const std::array<double, 9>& m = node.quadrupole;
         const Vec3 md{m[0] * d.x + m[1] * d.y + m[2] * d.z, m[3] * d.x + m[4] * d.y + m[5] * d.z,
                       m[6] * d.x + m[7] * d.y + m[8] * d.z};
-        const double cube = squared * distance * kSphere, along = dot(node.dipole, d);
+        const double cube = squared * distance * kAllAround, along = dot(node.dipole, d);
         local.winding += (along + m[0] + m[4] + m[8] - 3 * dot(md, d) / squared) / cube;
         local.gradient = local.gradient + (d * (3 * along / squared) - node.dipole) / cube;
         local.error += error;
@@ -213,7 +213,7 @@ void WindingField::localize(const Box3& box, double tolerance, Local& local) con
         // The second derivative of a share: that of a dipole layer, of the triangle or of its whole plane.
         const double squares = std::pow(distance_bound(triangle, box), 2);
         const double area = length(cross(triangle[1] - triangle[0], triangle[2] - triangle[0])) / 2;
-        const double error = radius * radius / 2 * std::min(6 * area / kSphere / squares, 1.5) / squares;
+        const double error = radius * radius / 2 * std::min(6 * area / kAllAround / squares, 1.5) / squares;
         if (!(error < tolerance)) {
           local.near.push_back(t);
           continue;
@@ -257,7 +257,7 @@ double WindingField::bound(const Box3& box, double enough) const {
     const Vec3 extent = node.box.extent();
     const double all = 0.5 * (node.end - node.begin);
     if (squared > dot(extent, extent)) {
-      sum += std::min(all, node.area / squared / kSphere);
+      sum += std::min(all, node.area / squared / kAllAround);
       continue;
     }
     if (node.left == 0) {
@@ -265,7 +265,7 @@ double WindingField::bound(const Box3& box, double enough) const {
         const double distance = distance_bound(triangles_[t], box);
         const double area =
             length(cross(triangles_[t][1] - triangles_[t][0], triangles_[t][2] - triangles_[t][0])) / 2;
-        sum += distance > 0 ? std::min(0.5, area / (distance * distance) / kSphere) : 0.5;
+        sum += distance > 0 ? std::min(0.5, area / (distance * distance) / kAllAround) : 0.5;
       }
       continue;
     }

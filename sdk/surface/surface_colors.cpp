@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kMostSamples = 8;
 
 /// Tiles that are colored in one go.
-constexpr std::size_t kBlock = 64;
+constexpr std::size_t kBlockTiles = 64;
 
 /// A face between two pieces of the repeated tile, of which either may be INSIDE without the other.
 struct PieceFace {
@@ -185,15 +185,15 @@ Result<std::optional<SurfaceColors>> make_surface_colors(const CellObject& objec
                  "the tile's cells have too many faces for colors at the surface; use a coarser tile"};
   const Baker baker(object, field, map, faces);
   const std::uint64_t tile_count = object.grid.tile_count();
-  std::vector<Part> parts(std::size_t((tile_count + kBlock - 1) / kBlock));
+  std::vector<Part> parts(std::size_t((tile_count + kBlockTiles - 1) / kBlockTiles));
   std::atomic<std::uint64_t> bytes = 0;
   const bool done = parallel_for(
       parts.size(), threads,
       [&](std::size_t block, unsigned) {
         std::vector<const PieceFace*> open;
         Part& part = parts[block];
-        const std::uint64_t end = std::min<std::uint64_t>(tile_count, (block + 1) * kBlock);
-        for (std::uint64_t t = block * kBlock; t < end; ++t) {
+        const std::uint64_t end = std::min<std::uint64_t>(tile_count, (block + 1) * kBlockTiles);
+        for (std::uint64_t t = block * kBlockTiles; t < end; ++t) {
           if (bytes > most_bytes || (progress && progress->cancelled())) return;
           baker.bake(t, open, part);
         }

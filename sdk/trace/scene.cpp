@@ -10,7 +10,7 @@
 namespace mesocell {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoEnd = std::numeric_limits<double>::infinity();
 /// Moves along a ray that are smaller than this share of a detail are rounding.
 constexpr double kRounding = 1e-6;
 
@@ -27,10 +27,10 @@ struct Placed {
 
 /// t at which a ray enters a box, infinite if it does not.
 double entry(const Ray& ray, const Box3& box) {
-  double begin = 0, end = kInfinity;
+  double begin = 0, end = kNoEnd;
   for (std::size_t a = 0; a < 3; ++a) {
     if (ray.direction[a] == 0) {
-      if (!(ray.origin[a] >= box.min[a] && ray.origin[a] <= box.max[a])) return kInfinity;
+      if (!(ray.origin[a] >= box.min[a] && ray.origin[a] <= box.max[a])) return kNoEnd;
       continue;
     }
     const double s = (box.min[a] - ray.origin[a]) / ray.direction[a];
@@ -38,7 +38,7 @@ double entry(const Ray& ray, const Box3& box) {
     begin = std::max(begin, std::min(s, t));
     end = std::min(end, std::max(s, t));
   }
-  return begin <= end ? begin : kInfinity;
+  return begin <= end ? begin : kNoEnd;
 }
 
 /// The box of a transformed box, enlarged by what rounding may take from it.
@@ -69,7 +69,7 @@ class SceneCaster final : public Caster {
   }
 
   [[nodiscard]] bool first_hit(const Ray& ray, Hit& hit) const override {
-    double nearest = kInfinity;
+    double nearest = kNoEnd;
     for (std::size_t k = 0; k < placed_.size(); ++k) {
       Hit found;
       if (!(entry(ray, placed_[k].box) < nearest) ||
@@ -78,7 +78,7 @@ class SceneCaster final : public Caster {
       nearest = found.t;
       hit = in_scene(found, k);
     }
-    return nearest < kInfinity;
+    return nearest < kNoEnd;
   }
 
   /// Leaves one asset after the other until a point right behind is inside none. So assets that touch are one
@@ -138,7 +138,7 @@ class SceneCaster final : public Caster {
   }
 
   std::vector<Placed> placed_;
-  double detail_ = kInfinity;
+  double detail_ = kNoEnd;
   Box3 box_;
 };
 

@@ -86,7 +86,7 @@ TEST_CASE("a batch makes again what was made of a file that changed beside its i
   const auto status = [&](const std::vector<std::string>& more) {
     std::vector<std::string> options = {"--json"};
     options.insert(options.end(), more.begin(), more.end());
-    const Run run = convert({ball, out}, options);
+    const Run run = convert_many({ball, out}, options);
     INFO(run.err);
     REQUIRE(run.exit == 0);
     return run.json()["files"][0];

@@ -50,12 +50,12 @@ TestFile with_colors(const CellObject& object, const SurfaceColors& map) {
 TestFile usual() { return with_colors(tiny_object(), colors_in(2, {0, 1}, {2, 3, 2}, every_second)); }
 constexpr std::size_t kRanksAt = 128, kMasksAt = 192, kColorsAt = 256, kBytes = 256 + 12 * 3;
 
-Bytes packed(TestFile parts) {
+Bytes packed_colors(TestFile parts) {
   for (TestChunk& c : parts.chunks) pack(c);
   return parts.build();
 }
 
-void add_field_cases(CaseList& cases) {
+void add_surface_color_field_cases(CaseList& cases) {
   const TestFile parts = usual();
   cases.valid("scol/two-bricks", "4.11", parts.build());
   add_chunk_header_cases(cases, parts, kSurfaceColorChunk, 24);
@@ -198,26 +198,26 @@ void add_brick_cases(CaseList& cases) {
 }
 
 /// Pages of 4096 tiles, stored as frames.
-void add_page_cases(CaseList& cases) {
-  constexpr std::uint32_t kPage = 4096;
-  for (const std::uint32_t tiles : {kPage - 1, kPage, kPage + 1, 2 * kPage + 1}) {
-    std::vector<std::uint32_t> bricks = {5, kPage - 2};
-    for (const std::uint32_t t : {kPage - 1, kPage, tiles - 1})
+void add_surface_color_page_cases(CaseList& cases) {
+  constexpr std::uint32_t kPageTiles = 4096;
+  for (const std::uint32_t tiles : {kPageTiles - 1, kPageTiles, kPageTiles + 1, 2 * kPageTiles + 1}) {
+    std::vector<std::uint32_t> bricks = {5, kPageTiles - 2};
+    for (const std::uint32_t t : {kPageTiles - 1, kPageTiles, tiles - 1})
       if (t < tiles && t > bricks.back()) bricks.push_back(t);
     const TestFile parts =
         with_colors(row_object(tiles, {}), colors_in(tiles, bricks, {2, 2, 1}, every_second));
     const std::string name = to_string(tiles);
-    cases.valid("scol/pages-" + name + "-tiles", "4.11", packed(parts));
+    cases.valid("scol/pages-" + name + "-tiles", "4.11", packed_colors(parts));
     const std::size_t ranks = 64 + ((tiles + 7) / 8 + 63) / 64 * 64;
     const Bytes scol = parts.chunks.back().stored;
-    for (std::size_t page = 1; page < (tiles + kPage - 1) / kPage; ++page) {
+    for (std::size_t page = 1; page < (tiles + kPageTiles - 1) / kPageTiles; ++page) {
       for (const std::size_t at : {ranks + 8 * page, ranks + 8 * page + 4}) {
         const auto with_rank = [&](std::uint32_t rank) {
           TestFile other = parts;
           Bytes changed = scol;
           put(changed, at, rank);
           other.set_payload(kSurfaceColorChunk, changed);
-          return packed(other);
+          return packed_colors(other);
         };
         const std::uint32_t rank = std::uint32_t(get(scol, at));
         const std::string where =
@@ -276,11 +276,11 @@ void add_object_cases(CaseList& cases) {
   CellObject large = solid_object(most, {1, 1, 1});
   SurfaceColors map = colors_in(1, {0}, most, all);
   std::fill(map.colors.begin(), map.colors.end(), Rgb8{200, 100, 50});
-  cases.valid("scol/32x32x32", "4.11", packed(with_colors(large, map)));
+  cases.valid("scol/32x32x32", "4.11", packed_colors(with_colors(large, map)));
   // Of a tile whose resolution is no multiple.
-  cases.valid(
-      "scol/31-of-33", "4.11",
-      packed(with_colors(solid_object({33, 5, 4}, {2, 1, 1}), colors_in(2, {1}, {31, 3, 3}, every_second))));
+  cases.valid("scol/31-of-33", "4.11",
+              packed_colors(with_colors(solid_object({33, 5, 4}, {2, 1, 1}),
+                                        colors_in(2, {1}, {31, 3, 3}, every_second))));
   // With the other colors, and normals that are none.
   CellObject object = tiny_object();
   object.color = ColorMap{{1, 1, 2}, {{1, 2, 3}, {200, 100, 255}}, 0.5f};
@@ -307,9 +307,9 @@ void add_object_cases(CaseList& cases) {
 }  // namespace
 
 void add_surface_color_cases(CaseList& cases) {
-  add_field_cases(cases);
+  add_surface_color_field_cases(cases);
   add_brick_cases(cases);
-  add_page_cases(cases);
+  add_surface_color_page_cases(cases);
   add_prediction_cases(cases);
   add_object_cases(cases);
 }

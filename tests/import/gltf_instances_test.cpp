@@ -16,11 +16,11 @@ namespace {
 
 constexpr const char* kExtension = "EXT_mesh_gpu_instancing";
 
-const TriangleMesh kBox = make_box({0, 0, 0}, {1, 2, 3});
+const TriangleMesh kInstance = make_box({0, 0, 0}, {1, 2, 3});
 
 /// A box in a node that has instances, as yet without attributes.
 GltfScene instanced() {
-  GltfScene scene = scene_of(kBox);
+  GltfScene scene = scene_of(kInstance);
   scene.json["extensionsRequired"] = scene.json["extensionsUsed"] = {kExtension};
   scene.json["nodes"][0]["extensions"][kExtension]["attributes"] = json::object();
   return scene;

@@ -40,7 +40,7 @@ std::string ply(const std::string& head, const std::string& body) {
   return "ply\nformat ascii 1.0\n" + head + "end_header\n" + body;
 }
 
-std::string big(float x) {
+std::string big_float(float x) {
   const std::string little = packed<float>({x});
   return {little.rbegin(), little.rend()};
 }
@@ -128,8 +128,8 @@ TEST_CASE("losses: PLY, OFF and STL") {
     binary += char(n);
   }
   for (int v = 0; v < 3; ++v) {
-    for (int axis = 0; axis < 3; ++axis) binary += big(axis < 2 ? float(v == axis + 1) : 0.0f);
-    for (int k = 0; k < 9; ++k) binary += big(0.5f);
+    for (int axis = 0; axis < 3; ++axis) binary += big_float(axis < 2 ? float(v == axis + 1) : 0.0f);
+    for (int k = 0; k < 9; ++k) binary += big_float(0.5f);
   }
   for (const int n : {3, 0, 1, 2, 0}) {
     binary.append(3, char(0));

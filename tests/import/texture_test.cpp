@@ -15,8 +15,6 @@ namespace {
 
 using Texels = std::vector<Rgb8>;
 
-/// Red, green / blue, white.
-const PlainPicture kFour{2, 2, 3, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255}};
 const Texels kFourTexels = {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {255, 255, 255}};
 
 /// A triangle with a picture.

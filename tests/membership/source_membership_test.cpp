@@ -108,12 +108,12 @@ std::size_t differing(const std::vector<Tag>& tags, const MembershipMap& map, co
   return count;
 }
 
-struct Compared {
+struct BySource {
   std::size_t by_source, by_pieces;  ///< pieces whose tags differ from ours
 };
 
 /// Our tags, which must be those of the definition, against the source's merger with and without its rules.
-Compared compare(const TriangleMesh& mesh, const Index3& tiles, const TileMap& tile, const Rules& rules) {
+BySource compare(const TriangleMesh& mesh, const Index3& tiles, const TileMap& tile, const Rules& rules) {
   const std::vector<bool> inside = inside_by_definition(mesh, voxels_of(tiles, tile));
   const Result<MembershipMap> map = compute_membership(mesh, tiles, tile);
   REQUIRE(map.ok());
@@ -141,7 +141,7 @@ TEST_CASE("source 4.3: pieces with one face code share a slot, so that cells whi
   // The mesh covers five tiles, and of the sixth the part where a cell ends, but not where the next goes on.
   TriangleMesh mesh = make_box({-1, -1, -1}, {40, 12, 9});
   append(mesh, make_box({39, 6.2, -1}, {48, 12, 9}));
-  const Compared c = compare(mesh, {9, 1, 1}, tile, {.slot_by_face_code = true});
+  const BySource c = compare(mesh, {9, 1, 1}, tile, {.slot_by_face_code = true});
   CHECK(c.by_source > 0);
   CHECK(c.by_pieces == 0);
 }
@@ -158,7 +158,7 @@ TEST_CASE(
   fill(across_y, {3, 6, 3}, {5, 8, 5}, 1);
   fill(across_y, {3, 0, 3}, {5, 2, 5}, 1);
   for (const LabelVolume& good : {across_x, across_y}) {
-    const Compared c = compare(ball, {5, 5, 5}, tile_of(good), by_codes);
+    const BySource c = compare(ball, {5, 5, 5}, tile_of(good), by_codes);
     CHECK(c.by_source == 0);
     CHECK(c.by_pieces == 0);
   }
@@ -167,7 +167,7 @@ TEST_CASE(
   fill(across_z, {3, 3, 6}, {5, 5, 8}, 1);
   fill(across_z, {3, 3, 0}, {5, 5, 2}, 1);
   CHECK(shift_by_face_codes(16, 32) == std::array<std::int32_t, 3>{-1, 0, 0});  // it should be 0, 0, -1
-  const Compared z = compare(ball, {5, 5, 5}, tile_of(across_z), by_codes);
+  const BySource z = compare(ball, {5, 5, 5}, tile_of(across_z), by_codes);
   CHECK(z.by_source > 0);
   CHECK(z.by_pieces == 0);
   // A piece that touches two opposite faces gives a shift of 3 tiles: from the middle of a cell of three
@@ -181,7 +181,7 @@ TEST_CASE(
   REQUIRE(three.cell_count == 1);
   REQUIRE(three.pieces.size() == 3);
   CHECK(shift_by_face_codes(3, 1) == std::array<std::int32_t, 3>{3, 0, 0});  // it should be 1, 0, 0
-  const Compared two = compare(ball, {5, 5, 5}, three, by_codes);
+  const BySource two = compare(ball, {5, 5, 5}, three, by_codes);
   CHECK(two.by_source > 0);
   CHECK(two.by_pieces == 0);
 }

@@ -122,7 +122,7 @@ void check_by_definition(const CellObject& object, const Index3& wanted) {
   CHECK(found > 100);
 }
 
-CellObject author(const TriangleMesh& mesh, const char* tile, std::uint32_t tiles) {
+CellObject author_object(const TriangleMesh& mesh, const char* tile, std::uint32_t tiles) {
   Result<CellObject> object =
       author_cell_object(mesh, *make_tile(*parse_recipe(tile)), {.grid = {.tiles = tiles}});
   REQUIRE(object.ok());
@@ -133,9 +133,9 @@ CellObject author(const TriangleMesh& mesh, const char* tile, std::uint32_t tile
 
 TEST_CASE("colors of the surface are where the voxels have it") {
   const TriangleMesh torus = make_torus({0, 0, 0}, 2, 0.8, 40, 24);
-  check_by_definition(author(torus, "voronoi:cells=6,resolution=12,seed=5", 7), {4, 4, 4});
-  check_by_definition(author(torus, "ellipsoids:cells=5,resolution=10,seed=2", 6), {3, 7, 32});
-  check_by_definition(author(torus, "bricks:resolution=8", 8), {1, 8, 5});
+  check_by_definition(author_object(torus, "voronoi:cells=6,resolution=12,seed=5", 7), {4, 4, 4});
+  check_by_definition(author_object(torus, "ellipsoids:cells=5,resolution=10,seed=2", 6), {3, 7, 32});
+  check_by_definition(author_object(torus, "bricks:resolution=8", 8), {1, 8, 5});
 }
 
 TEST_CASE("random objects have colors of the surface where their voxels have it") {
@@ -195,7 +195,7 @@ TEST_CASE("colors of the surface depend on neither threads nor the place of the 
   for (std::size_t v = 0; v < torus.vertices.size(); ++v)
     torus.colors.push_back({std::uint8_t(rng.below(256)), std::uint8_t(rng.below(256)), std::uint8_t(v)});
   const auto baked = [](const TriangleMesh& mesh, unsigned threads) {
-    CellObject object = author(mesh, "voronoi:cells=6,resolution=12,seed=5", 8);
+    CellObject object = author_object(mesh, "voronoi:cells=6,resolution=12,seed=5", 8);
     Colors colors;
     colors.field = [&](const CellObject& o, unsigned t, const Progress*) {
       static const SurfacePaint kNoPaint;
@@ -215,7 +215,8 @@ TEST_CASE("colors of the surface depend on neither threads nor the place of the 
 }
 
 TEST_CASE("what cannot be baked is an error") {
-  const CellObject object = author(make_torus({0, 0, 0}, 2, 0.8, 40, 24), "voronoi:cells=6,resolution=12,seed=5", 6);
+  const CellObject object =
+      author_object(make_torus({0, 0, 0}, 2, 0.8, 40, 24), "voronoi:cells=6,resolution=12,seed=5", 6);
   CHECK(make_surface_colors(object, place_color, {0, 4, 4}).error().code == ErrorCode::kUsage);
   CHECK(make_surface_colors(object, place_color, {4, 4, 33}).error().code == ErrorCode::kUsage);
   std::atomic<bool> cancel = true;
