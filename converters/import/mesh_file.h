@@ -41,7 +41,8 @@ inline constexpr const char* kMeshExtensions = ".obj, .off, .ply, .stl, .gltf, .
 /// case, where that does not tell. Polygons are cut into fans. Vertices are kept as they are in the file,
 /// also those no face uses; corners of an STL are merged where they are equal. Positions have double
 /// precision in OBJ, OFF and PLY and single precision in others; units are the file's. A glTF is one mesh of
-/// all that its default scene shows (else the first, else all roots), each part where its nodes place it;
+/// all that its default scene shows (else the first, else all roots), each part where its nodes, and
+/// instances in them (EXT_mesh_gpu_instancing), place it;
 /// glTF and Draco are read by mesocell_mesh_worker.
 ///
 /// Colors of vertices and faces are taken as sRGB: properties red, green, blue (or diffuse_red, …) of a PLY,

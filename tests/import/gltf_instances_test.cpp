@@ -1,7 +1,9 @@
+#include <limits>
 #include <string>
 #include <string_view>
 
 #include "converters/import/mesh_file.h"
+#include "sdk/core/rng.h"
 #include "sdk/core/srgb.h"
 #include "tests/import/gltf_scene.h"
 #include "tests/import/mesh_bytes.h"
@@ -207,4 +209,28 @@ TEST_CASE("instances: more triangles or vertices than can be had are refused bef
   add(scene, "TRANSLATION", std::vector<float>(3 * 250000), "VEC3");
   scene.json["nodes"][0]["mesh"] = 1;
   CHECK(says(scene, "vertices with all instances", ErrorCode::kLimit));
+}
+
+TEST_CASE("instances: damaged files are refused, or give a sound mesh") {
+  GltfScene scene = instanced();
+  add(scene, "TRANSLATION", {0, 0, 0, 10, 0, 0, 0, 20, 0}, "VEC3");
+  add(scene, "ROTATION", {0, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0}, "VEC4");
+  add(scene, "_COLOR_0", {1, 1, 1, 0, 1, 0, 0, 0, 1}, "VEC3");
+  const std::string whole = scene.glb();
+  const TempFolder folder;
+  Rng rng(5);
+  for (int round = 0; round < 300; ++round) {
+    std::string bytes = whole;
+    for (std::uint32_t k = 1 + rng.below(3); k > 0; --k)
+      bytes[12 + rng.below(std::uint32_t(bytes.size() - 12))] = char(std::uint8_t(rng.below(256)));
+    const Result<PaintedMesh> mesh = read_painted_mesh(folder.write("a.glb", bytes));
+    if (!mesh) {
+      CHECK_FALSE(mesh.error().message.empty());
+      continue;
+    }
+    CHECK((mesh->mesh.colors.empty() || mesh->mesh.colors.size() == mesh->mesh.vertices.size()));
+    for (const Triangle& t : mesh->mesh.triangles)
+      for (const std::uint32_t v : t)
+        if (v >= mesh->mesh.vertices.size() || !is_finite(mesh->mesh.vertices[v])) FAIL("a wrong triangle");
+  }
 }
