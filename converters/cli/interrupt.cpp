@@ -13,21 +13,19 @@ namespace {
 std::atomic<bool> g_cancelled = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "it is set in a signal handler");
 
-extern "C" void on_signal(int) {
-  if (!g_cancelled.exchange(true)) return;
+extern "C" void end_at_once(int) {
   remove_temporary_files();
   _exit(kExitInterrupted);
 }
 
-extern "C" void on_parent_death(int) {
-  remove_temporary_files();
-  _exit(kExitInterrupted);
+extern "C" void on_signal(int signal) {
+  if (g_cancelled.exchange(true)) end_at_once(signal);
 }
 
 }  // namespace
 
 void end_with_parent(long parent) {
-  std::signal(SIGUSR1, on_parent_death);
+  std::signal(SIGUSR1, end_at_once);
   prctl(PR_SET_PDEATHSIG, SIGUSR1);
   // It may have ended before that.
   if (getppid() != parent) std::raise(SIGUSR1);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "format/api.h"
 #include "format/cell_object.h"
 #include "format/result.h"
@@ -11,7 +13,7 @@ namespace mesocell MESOCELL_API {
 /// Bakes colors onto the surface of a cell object, in color voxels finer than its instances. Tiles with
 /// INSIDE voxels get them, unless they and all 26 around them are INSIDE as a whole; in these, color voxels
 /// that have a voxel of the object's surface, which a gap between cells shows as well. The color is the mean,
-/// in linear light, of the field at the centres of up to kMostSamples of its faces there, evenly chosen.
+/// in linear light, of the field at the centres of up to eight of its faces there, evenly chosen.
 /// - `resolution`: color voxels along each axis of a tile, 1…SurfaceColors::kMaxResolution each; along an
 /// axis
 ///   with fewer voxels it is their number

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "format/cell_object_chunks.h"
+#include "tests/format/sole_fault.h"
 #include "tests/format/test_file.h"
 #include "tests/format/test_objects.h"
 #include "tests/support/catch.h"
@@ -27,19 +28,6 @@ CellObject resized(const Index3& resolution, const Index3& tiles) {
   object.membership.blocks.clear();
   object.membership.entries.assign(std::size_t(object.grid.tile_count()), 1);
   return object;
-}
-
-void check_sole_fault(const Bytes& file, const std::string& id) {
-  CAPTURE(id);
-  const Verdicts v = verdicts(file);
-  CAPTURE(v.why, v.reader_id, v.loader_text);
-  CHECK(v.agree);
-  CHECK_FALSE(v.reader);
-  CHECK(v.issues == std::vector<std::string>{id});
-}
-
-void check_sole_fault(const CellObject& object, const std::string& id) {
-  check_sole_fault(TestFile::of(object).build(), id);
 }
 
 /// The walk-through with one chunk's payload changed.

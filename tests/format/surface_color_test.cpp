@@ -8,6 +8,7 @@
 #include "format/cell_object_io.h"
 #include "format/hash.h"
 #include "format/loader/mesocell_loader.h"
+#include "tests/format/sole_fault.h"
 #include "tests/format/test_file.h"
 #include "tests/format/test_objects.h"
 #include "tests/support/catch.h"
@@ -49,15 +50,6 @@ CellObject small_object() {
 }
 /// Its parts in SCOL.
 constexpr std::size_t kBricksAt = 64, kRanksAt = 128, kMasksAt = 192, kColorsAt = 256, kBytes = 256 + 12 * 3;
-
-void check_color_fault(const Bytes& file, const std::string& id) {
-  CAPTURE(id);
-  const Verdicts v = verdicts(file);
-  CAPTURE(v.why, v.reader_id, v.loader_text);
-  CHECK(v.agree);
-  CHECK_FALSE(v.reader);
-  CHECK(v.issues == std::vector<std::string>{id});
-}
 
 /// Bytes of SCOL in `object` changed.
 Bytes edited(const CellObject& object, const std::function<void(Bytes&)>& edit) {
@@ -221,39 +213,39 @@ TEST_CASE("format: a sole fault of SCOL is found") {
   REQUIRE(parts.payload(kSurfaceColorChunk).size() == kBytes);
   CHECK(verdicts(parts.build()).reader);
   for (std::size_t a = 0; a < 3; ++a) {
-    check_color_fault(with(4 * a, 0), "scol-resolution");
-    check_color_fault(with(4 * a, 5), "scol-resolution");  // the tile has 4
+    check_sole_fault(with(4 * a, 0), "scol-resolution");
+    check_sole_fault(with(4 * a, 5), "scol-resolution");  // the tile has 4
   }
   for (const std::uint32_t bits : {0x7f800000u, 0x80000000u, 0xffffffffu})
-    check_color_fault(with(12, bits), "map-error");
-  check_color_fault(with(24, 1, 1), "payload-reserved");
-  check_color_fault(with(63, 128, 1), "payload-reserved");
-  check_color_fault(with(kBricksAt, 0b111, 1), "scol-brick-count");
-  check_color_fault(with(kBricksAt, 0b100, 1), "scol-brick-count");
-  check_color_fault(with(kBricksAt, 0b1101, 1), "scol-unused-bits");
-  check_color_fault(with(kBricksAt, 0b10000101, 1), "scol-unused-bits");
+    check_sole_fault(with(12, bits), "map-error");
+  check_sole_fault(with(24, 1, 1), "payload-reserved");
+  check_sole_fault(with(63, 128, 1), "payload-reserved");
+  check_sole_fault(with(kBricksAt, 0b111, 1), "scol-brick-count");
+  check_sole_fault(with(kBricksAt, 0b100, 1), "scol-brick-count");
+  check_sole_fault(with(kBricksAt, 0b1101, 1), "scol-unused-bits");
+  check_sole_fault(with(kBricksAt, 0b10000101, 1), "scol-unused-bits");
   for (const std::size_t at :
        {kBricksAt + 1, kRanksAt - 1, kRanksAt + 8, kMasksAt - 1, kMasksAt + 4, kColorsAt - 1})
-    check_color_fault(with(at, 1, 1), "payload-padding");
-  for (const std::size_t at : {kRanksAt, kRanksAt + 4}) check_color_fault(with(at, 1), "scol-rank");
-  check_color_fault(with(20, 12 + 1), "payload-truncated");
-  check_color_fault(edited(object,
+    check_sole_fault(with(at, 1, 1), "payload-padding");
+  for (const std::size_t at : {kRanksAt, kRanksAt + 4}) check_sole_fault(with(at, 1), "scol-rank");
+  check_sole_fault(with(20, 12 + 1), "payload-truncated");
+  check_sole_fault(edited(object,
                            [](Bytes& scol) {
                              put(scol, 20, 13);
                              scol.resize(scol.size() + 3);
                            }),
                     "scol-color-count");
-  check_color_fault(edited(object, [](Bytes& scol) { scol.push_back({}); }), "payload-trailing");
-  check_color_fault(edited(object, [](Bytes& scol) { scol.pop_back(); }), "payload-truncated");
-  check_color_fault(edited(object, [](Bytes& scol) { scol.resize(63); }), "payload-truncated");
+  check_sole_fault(edited(object, [](Bytes& scol) { scol.push_back({}); }), "payload-trailing");
+  check_sole_fault(edited(object, [](Bytes& scol) { scol.pop_back(); }), "payload-truncated");
+  check_sole_fault(edited(object, [](Bytes& scol) { scol.resize(63); }), "payload-truncated");
   // Bits after the twelve color voxels of each brick.
-  check_color_fault(with(kMasksAt + 1, get(parts.payload(kSurfaceColorChunk), kMasksAt + 1, 1) | 0x10, 1),
+  check_sole_fault(with(kMasksAt + 1, get(parts.payload(kSurfaceColorChunk), kMasksAt + 1, 1) | 0x10, 1),
                     "scol-unused-bits");
-  check_color_fault(with(kMasksAt + 3, get(parts.payload(kSurfaceColorChunk), kMasksAt + 3, 1) | 0x80, 1),
+  check_sole_fault(with(kMasksAt + 3, get(parts.payload(kSurfaceColorChunk), kMasksAt + 3, 1) | 0x80, 1),
                     "scol-unused-bits");
   // All colors in one of the two bricks.
   for (const std::size_t full : {0u, 2u}) {
-    check_color_fault(edited(object,
+    check_sole_fault(edited(object,
                              [&](Bytes& scol) {
                                put(scol, kMasksAt, 0, 4);
                                put(scol, kMasksAt + full, 0xfff, 2);
@@ -261,7 +253,7 @@ TEST_CASE("format: a sole fault of SCOL is found") {
                       "scol-empty-brick");
   }
   // Without any brick.
-  check_color_fault(edited(object,
+  check_sole_fault(edited(object,
                            [](Bytes& scol) {
                              put(scol, 16, 0, 8);
                              put(scol, kBricksAt, 0, 1);
@@ -273,18 +265,18 @@ TEST_CASE("format: a sole fault of SCOL is found") {
   const std::size_t ranks = 64 + 576;
   REQUIRE(get(TestFile::of(paged).payload(kSurfaceColorChunk), ranks + 8, 8) == (2 | std::uint64_t{4} << 32));
   for (const std::uint32_t wrong : {0u, 1u, 3u, 0x80000002u})
-    check_color_fault(edited(paged, [&](Bytes& scol) { put(scol, ranks + 8, wrong); }), "scol-rank");
+    check_sole_fault(edited(paged, [&](Bytes& scol) { put(scol, ranks + 8, wrong); }), "scol-rank");
   for (const std::uint32_t wrong : {0u, 2u, 5u, 0x80000004u})
-    check_color_fault(edited(paged, [&](Bytes& scol) { put(scol, ranks + 12, wrong); }), "scol-rank");
+    check_sole_fault(edited(paged, [&](Bytes& scol) { put(scol, ranks + 12, wrong); }), "scol-rank");
 }
 
 TEST_CASE("format: SCOL in a file of 1.0 is unknown, and critical it is a fault") {
   TestFile parts = TestFile::of(small_object());
   parts.chunk(kSurfaceColorChunk).flags = 1;
-  check_color_fault(parts.build(), "chunk-criticality");
+  check_sole_fault(parts.build(), "chunk-criticality");
   parts.chunk(kSurfaceColorChunk).flags = 0;
   parts.set_payload(kSurfaceColorChunk, Bytes(3));
-  check_color_fault(parts.build(), "payload-truncated");
+  check_sole_fault(parts.build(), "payload-truncated");
   parts.minor = 0;
   const Verdicts v = verdicts(parts.build());
   CHECK((v.agree && v.reader));

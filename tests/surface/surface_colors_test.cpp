@@ -94,7 +94,7 @@ SurfaceColors bake(const CellObject& object, const Index3& resolution,
   return std::move(**made);
 }
 
-/// Returns how many color voxels were compared, and how many tiles with something INSIDE have no brick.
+/// Bakes an object and compares the places and the colors with the definition.
 void check_by_definition(const CellObject& object, const Index3& wanted) {
   const SurfaceColors map = bake(object, wanted);
   for (std::size_t a = 0; a < 3; ++a)
